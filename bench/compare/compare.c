@@ -1,10 +1,10 @@
 /* compare.c - Runs the rows of rows.h with the library that it is linked with. compare.py starts it, once for each of
  * two libraries, in a folder for each.
  *
- *   compare list PATTERN    lists the rows that an extended regular expression matches: number, set, group, title
- *   compare count PATTERN   runs each once, and then in measured_run, which callgrind counts: its number, and how many
- *                           steps that are, or why it is refused
- *   compare serve           answers lines of the input: "open ROW", and "time ROW" of a row that is open */
+ *   compare list PATTERN  lists the rows that an extended regular expression matches: number, set, group, title
+ *   compare count ROW     runs the row once, and then in measured_run, which callgrind counts; prints how many steps
+ *                         that are, or why the row is refused
+ *   compare serve         answers lines of the input: "open ROW", and "time ROW" of a row that is open */
 #include "rows.h"
 
 #include <regex.h>
@@ -13,11 +13,7 @@
 #include <string.h>
 #include <time.h>
 
-/* ---- Rows by pattern --------------------------------------------------------------------------------------------- */
-
-typedef void row_visitor(int row);
-
-static int visit(const char *pattern, row_visitor *visitor)
+static int list(const char *pattern)
 {
     regex_t compiled;
     if (regcomp(&compiled, pattern, REG_EXTENDED | REG_ICASE | REG_NOSUB) != 0) {
@@ -27,17 +23,17 @@ static int visit(const char *pattern, row_visitor *visitor)
     for (int row = 0; row < rows_count(); row++) {
         char name[128];
         snprintf(name, sizeof name, "%s: %s", row_group(row), row_title(row));
-        if (regexec(&compiled, name, 0, NULL, 0) == 0) visitor(row);
+        if (regexec(&compiled, name, 0, NULL, 0) == 0)
+            printf("%d\t%d\t%s\t%s\n", row, row_set(row), row_group(row), row_title(row));
     }
     regfree(&compiled);
     return EXIT_SUCCESS;
 }
 
-static void list(int row) { printf("%d\t%d\t%s\t%s\n", row, row_set(row), row_group(row), row_title(row)); }
-
 static void print_refusal(tvi_status status)
 {
-    printf("refused %s: %s\n", tvi_status_string(status), tvi_last_error());
+    const char *text = tvi_last_error();
+    printf("refused %s%s%s\n", tvi_status_string(status), *text ? ": " : "", text);
 }
 
 /* The function that callgrind --toggle-collect counts. */
@@ -49,8 +45,7 @@ static void count(int row)
     work *w;
     tvi_status status = row_open(&w, row);
     if (status == TVI_OK) status = row_run(w);
-    if (status == TVI_OK && measured_run(w) != TVI_OK) abort(); /* the same run */
-    printf("%d ", row);
+    if (status == TVI_OK) status = measured_run(w);
     if (status == TVI_OK) printf("%ld\n", row_steps(w));
     else print_refusal(status);
     row_close(w);
@@ -115,9 +110,10 @@ static int serve(void)
 
 int main(int argc, char *argv[])
 {
-    if (argc == 3 && strcmp(argv[1], "list") == 0) return visit(argv[2], list);
-    if (argc == 3 && strcmp(argv[1], "count") == 0) return visit(argv[2], count);
+    if (argc == 3 && strcmp(argv[1], "list") == 0) return list(argv[2]);
     if (argc == 2 && strcmp(argv[1], "serve") == 0) return serve();
-    fprintf(stderr, "usage: compare list PATTERN | count PATTERN | serve\n");
+    const int row = argc == 3 && strcmp(argv[1], "count") == 0 ? atoi(argv[2]) : -1;
+    if (row >= 0 && row < rows_count()) return count(row), EXIT_SUCCESS;
+    fprintf(stderr, "usage: compare list PATTERN | count ROW | serve\n");
     return EXIT_FAILURE;
 }

@@ -2,7 +2,7 @@
 
 COMPARE          = $(BUILD)/compare
 COMPARE_SOURCES := $(wildcard bench/compare/*.c) bench/performance/bodies.c $(SCENES)
-COMPARE_HEADERS := $(wildcard bench/compare/*.h bench/scenes/*.h) bench/performance/bodies.h
+COMPARE_HEADERS := $(wildcard include/*.h bench/compare/*.h bench/scenes/*.h) bench/performance/bodies.h
 
 # COMMIT=hash, or another name of a commit; ROWS=pattern for some rows. callgrind knows no AVX-512.
 compare-with: need-library

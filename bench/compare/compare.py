@@ -2,13 +2,12 @@
 
 Each folder has a program `compare` (compare.c), linked with one of the two. Both are open at the same time and take turns
 of milliseconds on one core, so that what else the machine does meets both. They are started several times for each row,
-as the memory that they get decides, too, and go from core to core. A row's times are the medians of the quarter of its
-pairs of turns in which both are fastest. Its scatter is half of the distance between the quartiles of all pairs' ratios.
-Instructions are counted by callgrind with
-TVI_ISA=COUNT_ISA, where valgrind is. `make compare-with COMMIT=hash` calls it.
+since times also depend on the memory that a process gets, and on all cores in turn. A row's times are the least of its
+turns, its scatter is half of the distance between the quartiles of the ratios of the pairs of turns. Instructions are
+counted by callgrind with TVI_ISA=COUNT_ISA, in a process for each row. `make compare-with COMMIT=hash` calls it.
 """
 import concurrent.futures
-import glob
+import itertools
 import math
 import os
 import re
@@ -16,9 +15,8 @@ import shutil
 import statistics
 import subprocess
 import sys
-import time
 
-STARTS, MOST_TURNS, LEAST_TURNS, LONGEST = 4, 25, 6, 0.12  # of a row; turns and s of a start
+STARTS, TURNS = 4, 25  # of a row; of a start: with half as many the least still differ by some per cent
 ENVIRONMENT = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
 WIDTH, CELL = 41, 13
 
@@ -50,24 +48,29 @@ class Side:
     def rows(self, pattern):
         return [Row(*line.split("\t")) for line in self.run(["list", pattern], "").splitlines()]
 
-    def compile(self, pattern, isas):
-        """Runs each row once: generated code is then in the cache of the folder."""
-        for isa in isas:
-            self.run(["count", pattern], isa)
+    def compile(self, row, isa):
+        """Runs the row: generated code is then in the cache of the folder."""
+        self.run(["count", str(row.number)], isa)
 
-    def count(self, pattern, isa):
-        """Sets counts[row] to the instructions of a step."""
-        parts = os.path.join(self.folder, "callgrind")
-        shutil.rmtree(parts, ignore_errors=True)
-        os.mkdir(parts)
-        callgrind = ["valgrind", "-q", "--tool=callgrind", "--callgrind-out-file=callgrind/part",
-                     "--toggle-collect=measured_run", "--dump-after=measured_run"]
-        lines = self.run(["count", pattern], isa, callgrind).splitlines()
-        counted = [line.split() for line in lines if "refused" not in line]
-        for place, (row, steps) in enumerate(counted, 1):
-            with open(os.path.join(parts, f"part.{place}"), encoding="utf-8") as part:
-                totals = re.search(r"^(?:totals|summary): (\d+)", part.read(), re.M)
-            self.counts[int(row)] = int(totals[1]) / int(steps)
+    def count(self, row, isa):
+        """Sets counts[row] to the instructions of a step, unless the row is refused. What was counted with the same
+        program is kept."""
+        found = f"callgrind/{isa}-{row.number}"
+        kept = os.path.join(self.folder, found + ".count")
+        program = os.path.join(self.folder, "compare")
+        if not os.path.exists(kept) or os.path.getmtime(kept) < os.path.getmtime(program):
+            os.makedirs(os.path.join(self.folder, "callgrind"), exist_ok=True)
+            steps = self.run(["count", str(row.number)], isa,
+                             ["valgrind", "-q", "--tool=callgrind", f"--callgrind-out-file={found}",
+                              "--toggle-collect=measured_run"])
+            with open(os.path.join(self.folder, found), encoding="utf-8") as file:
+                total = re.search(r"^totals: (\d+)", file.read(), re.M)[1]
+            with open(kept, "w", encoding="utf-8") as file:
+                file.write("" if "refused" in steps else f"{total} {steps}")
+        with open(kept, encoding="utf-8") as file:
+            counted = file.read().split()
+        if counted:
+            self.counts[row.number] = int(counted[0]) / int(counted[1])
 
     def start(self, core):
         self.process = subprocess.Popen([*FIXED, "./compare", "serve"], cwd=self.folder, env=ENVIRONMENT, text=True,
@@ -101,8 +104,7 @@ class Row:
         self.instructions = None
 
     def time(self, side):
-        fastest = sorted(self.turns, key=math.prod)[:len(self.turns) // 4]
-        return statistics.median(pair[side] for pair in fastest)
+        return min(pair[side] for pair in self.turns)
 
     def ratio(self):
         return self.time(1) / self.time(0)
@@ -112,15 +114,27 @@ class Row:
         return (third - first) / 2
 
 
+def on_all_cores(work, *arguments):
+    """Calls the function with all combinations of the arguments."""
+    with concurrent.futures.ThreadPoolExecutor(len(CORES)) as pool:
+        list(pool.map(lambda combination: work(*combination), itertools.product(*arguments)))
+
+
+def by(rows, attribute):
+    """Returns the rows for each value of an attribute, in their order."""
+    found = {}
+    for row in rows:
+        found.setdefault(getattr(row, attribute), []).append(row)
+    return found
+
+
 def take_turns(sides, rows):
-    begin, turns = time.monotonic(), 0
-    while turns < MOST_TURNS and (turns < LEAST_TURNS or time.monotonic() - begin < LONGEST * len(rows)):
+    for turn in range(TURNS):
         for row in rows:
             pair = [0, 0]
-            for place in (0, 1) if turns % 2 else (1, 0):
+            for place in (0, 1) if turn % 2 else (1, 0):
                 pair[place] = float(sides[place].ask("time", row.number))
             row.turns.append(pair)
-        turns += 1
 
 
 def time_set(sides, rows):
@@ -171,20 +185,19 @@ def print_row(sides, row):
          f"{100 * row.scatter():.1f} %", number(row.instructions))
 
 
-def print_mean(rows):
-    timed = [row for row in rows if row.turns]
-    if timed:
-        line("  geometric mean", "", "", number(mean(row.ratio() for row in timed)),
-             f"{100 * statistics.median(row.scatter() for row in timed):.1f} %",
-             number(mean(row.instructions for row in timed if row.instructions)))
+def print_means(groups):
+    print("\nGeometric means")
+    for group, rows in groups.items():
+        timed = [row for row in rows if row.turns]
+        if timed:
+            line("  " + group, "", "", number(mean(row.ratio() for row in timed)),
+                 f"{100 * statistics.median(row.scatter() for row in timed):.1f} %",
+                 number(mean(row.instructions for row in timed if row.instructions)))
 
 
 def print_ensembles(sides, rows):
     """Prints what an ensemble costs beside as many integrators, on each side."""
-    sets = {}
-    for row in rows:
-        sets.setdefault(row.set, []).append(row)
-    sets = [of_set for of_set in sets.values() if len(of_set) > 1 and of_set[0].turns]
+    sets = [of_set for of_set in by(rows, "set").values() if len(of_set) > 1 and of_set[0].turns]
     if not sets:
         return
     print("\nTime of an ensemble of 1000 members in one thread over that of 1000 integrators")
@@ -215,25 +228,19 @@ def main():
     rows = sides[1].rows(pattern)
     if not rows:
         sys.exit(f"compare-with: no row is called {pattern}")
-    counts = bool(shutil.which("valgrind"))
-    with concurrent.futures.ThreadPoolExecutor() as pool:
-        say("compiling systems")
-        list(pool.map(lambda side: side.compile(pattern, {"", isa} if counts else {""}), sides))
-        if counts:
-            say("counting instructions")
-            list(pool.map(lambda side: side.count(pattern, isa), sides))
-        else:
-            print("Without valgrind no instructions are counted.")
+    say("compiling systems")
+    on_all_cores(Side.compile, sides, rows, dict.fromkeys([os.environ.get("TVI_ISA", ""), isa]))
+    say("counting instructions")
+    on_all_cores(Side.count, sides, rows, [isa])
     line("a step", *(side.name for side in sides), "ratio", "scatter", "instructions")
-    for group in dict.fromkeys(row.group for row in rows):
+    groups = by(rows, "group")
+    for group, of_group in groups.items():
         print(group)
-        of_group = [row for row in rows if row.group == group]
-        for of_set in dict.fromkeys(row.set for row in of_group):
-            in_set = [row for row in of_group if row.set == of_set]
-            time_set(sides, in_set)
-            for row in in_set:
+        for of_set in by(of_group, "set").values():
+            time_set(sides, of_set)
+            for row in of_set:
                 print_row(sides, row)
-        print_mean(of_group)
+    print_means(groups)
     print_ensembles(sides, rows)
     print_end(rows)
 
