@@ -94,7 +94,7 @@ SRC_LANES    := $(addprefix src/,galerkin/loops.c generating/fast_path.c generat
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) $(BUILD)/ad/embedded_rules.o \
                 $(foreach isa,$(ISAS),$(ISA_SOURCES:%.c=$(BUILD)/%.$(isa).o))
 GALERKIN_FORMS := galerkin_plain galerkin_lagrangian galerkin_hamiltonian
-EMBEDDED_SRC := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin $(GALERKIN_FORMS) curve products generated_curve)
+EMBEDDED_SRC := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin $(GALERKIN_FORMS))
 SRC_OBJECTS  := $(EMBEDDED_SRC) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
                 $(foreach isa,$(ISAS),$(SRC_LANES:%.c=$(BUILD)/%.$(isa).o))
 EMBEDDED    := $(BUILD)/ad/embedded_rules.o $(EMBEDDED_SRC)
@@ -180,7 +180,7 @@ EMBEDDED_GALERKIN := include/tvi.h src/algebra/sizes.h src/method/origin.h $(add
                      $(addprefix src/galerkin/,in_generated.h loops.h lanes.h kernel.h \
                          blocks.h lagrangian_passes.h hamiltonian_passes.h steps.h generated.h)
 # texts that others read
-EMBEDDED_TEXTS := src/algebra/judge.h src/generating/taylor_rows.h $(addprefix src/galerkin/,kernel_nodes.h kernel_ends.h kernel_inner.h kernel_matrices.h kernel_loops.h)
+EMBEDDED_TEXTS := src/algebra/judge.h $(addprefix src/galerkin/,kernel_nodes.h kernel_ends.h kernel_inner.h kernel_matrices.h kernel_loops.h)
 $(BUILD)/src/embedded_galerkin.c: ad/embed.awk $(EMBEDDED_GALERKIN) $(EMBEDDED_TEXTS)
 	@mkdir -p $(@D)
 	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_galerkin -f ad/embed.awk $(EMBEDDED_GALERKIN) >$@
@@ -188,19 +188,6 @@ HESSIAN_FORM := src/galerkin/generated_hessian.h
 $(GALERKIN_FORMS:%=$(BUILD)/src/embedded_%.c): $(BUILD)/src/embedded_galerkin_%.c: ad/embed.awk src/galerkin/generated_%.h $(HESSIAN_FORM)
 	@mkdir -p $(@D)
 	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_galerkin_$* -f ad/embed.awk $(if $(filter plain,$*),,$(HESSIAN_FORM)) src/galerkin/generated_$*.h >$@
-# a curve, and the action of it
-EMBEDDED_CURVE := include/tvi.h ad/fused.h $(addprefix src/,algebra/sizes.h method/origin.h method/closing.h \
-                      $(addprefix algebra/,arena.h block.h linear.h linear_small.h passes.h subsystems.h tail.h weigh.h) \
-                      $(addprefix system/,system.h roundoff.h legendre.h) \
-                      $(addprefix generating/,in_generated.h series.h taylor_sweep.h step_size.h tangents.h orders.h nodes.h node_momenta.h seeds.h corrected_curve.h newton.h refine.h matrices.h \
-                          curve_stepper.h curve_step.h))
-$(BUILD)/src/embedded_curve.c: ad/embed.awk $(EMBEDDED_CURVE) $(EMBEDDED_TEXTS)
-	@mkdir -p $(@D)
-	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_curve -f ad/embed.awk $(EMBEDDED_CURVE) >$@
-# what solves its equations by products, and the functions that are made of all this
-$(BUILD)/src/embedded_products.c $(BUILD)/src/embedded_generated_curve.c: $(BUILD)/src/embedded_%.c: ad/embed.awk src/generating/%.h
-	@mkdir -p $(@D)
-	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_$* -f ad/embed.awk src/generating/$*.h >$@
 $(EMBEDDED): %.o: %.c
 	$(call SAY,CC $<)$(CC) $(BASE) $(CFLAGS) -c -o $@ $<
 # and is compiled as the library is: sums of one lane, which are not to be made vectors of once more, apart

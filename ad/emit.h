@@ -18,11 +18,9 @@
 /* The sweeps of a tape that are requested as generated code. The interpreter runs the sweeps that are not requested. */
 typedef struct {
     const char *name_prefix; /* The prefix of all names in the generated text. */
-    /* The numbers of lanes for which a function that computes values is written, and the numbers of directions for
-     * which one that computes tangents is written. A 0 ends each list. */
-    int value_lane_counts[3], tangent_direction_counts[3];
-    int top_order;                                /* Highest order of the series. */
-    bool needs_series_sweep, needs_adjoint_sweep; /* Tells whether these sweeps, with one lane, are requested. */
+    /* The numbers of lanes for which a function that computes values is written. A 0 ends the list. */
+    int value_lane_counts[3];
+    bool needs_series_sweep; /* Tells whether series with one lane are requested, besides values with one lane. */
 } jet_emission_request;
 
 /* Sets *merged to the sweeps of the generated code, and to those of the interpreter where the code has none. Returns
@@ -36,10 +34,8 @@ const char *const *jet_embedded_rule_c_source_lines(void);
 void jet_emit_rule_source(jet_text *text);
 /* Writes the definition `static const jet_sweeps NAME_sweeps`, which has NULL for sweeps that are not requested. NAME
  * is the name_prefix of the request. Other generated code can also use these names of the text: the tape NAME; the
- * function NAME_values_LANES(x) for each requested number of lanes, and for 2, 4 and 8; the functions NAME_series_of(x,
- * k) and NAME_tangents_of(x, dx, k, lanes) of one lane, to be inlined with constants; the numbers NAME_top (the
- * top_order of the request), NAME_slots and NAME_outputs (the counts of the tape); and NAME_is_split, which is 1 if
- * each run is a single operation. */
+ * function NAME_values_LANES(x) for each requested number of lanes, and for 2, 4 and 8; the numbers NAME_slots and
+ * NAME_outputs (the counts of the tape); and NAME_is_split, which is 1 if each run is a single operation. */
 void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_request *request);
 
 #endif

@@ -8,11 +8,7 @@
  *   - RULE(T, i, name) stands for a run of operations with the rule of this name, such as exp.
  *   - PRODUCTS(T, i, are_squares, terms) stands for a run of sums of products. Each sum has `terms` products;
  *     are_squares is 1 if all of them are squares, otherwise 0.
- *   - LINEAR(T, i, terms) stands for a run of linear combinations of `terms` operands.
- * The sweep of adjoints goes through the runs in reverse order. For this sweep the text defines T_RUNS_BACK, the list
- * of the same calls in reverse order, with one exception. One call SUMS(T, i) stands for several successive runs that
- * are a single linear combination each and do not read each other; i is the index of the first of them. The text also
- * defines the function T_sums_back_i, which computes the adjoints of these runs. */
+ *   - LINEAR(T, i, terms) stands for a run of linear combinations of `terms` operands. */
 #ifndef TVI_AD_EMITTED_H
 #define TVI_AD_EMITTED_H
 
@@ -33,27 +29,6 @@
 #define SERIES_PRODUCTS(T, i, are_squares, terms)                                                                      \
     compute_product_series_order(&T, &T##_run[i], x, k, (size_t)lanes, are_squares, terms);
 #define SERIES_LINEAR(T, i, terms) ORDER_LINEAR(T, i, x, terms)
-
-#define TANGENTS_RULE(T, i, name) name##_tangent(&T##_run[i], x, dx, k, (size_t)T.slot_count, lanes);
-#define TANGENTS_PRODUCTS(T, i, are_squares, terms)                                                                    \
-    compute_product_tangents(&T, &T##_run[i], x, dx, k, 1, (size_t)lanes, are_squares, terms);
-#define TANGENTS_LINEAR(T, i, terms) ORDER_LINEAR(T, i, dx, terms)
-
-/* The following macros compute the tangents of order 0, along one direction for each lane of x. */
-#define PER_LANE_RULE(T, i, name)                                                                                      \
-    {                                                                                                                  \
-        const jet_run_of_operations all = jet_make_run_with_lanes_as_operations(&T##_run[i], lanes);                   \
-        name##_tangent(&all, x, dx, 0, (size_t)(T.slot_count * lanes), 1);                                             \
-    }
-#define PER_LANE_PRODUCTS(T, i, are_squares, terms)                                                                    \
-    compute_product_tangents(&T, &T##_run[i], x, dx, 0, (size_t)lanes, (size_t)lanes, are_squares, terms);
-#define PER_LANE_LINEAR(T, i, terms) compute_sums_without_constants(&T, &T##_run[i], dx, lanes, terms);
-
-#define ADJOINTS_RULE(T, i, name) name##_adjoint(&T##_run[i], x, bar, k, top, (size_t)T.slot_count);
-#define ADJOINTS_PRODUCTS(T, i, are_squares, terms)                                                                    \
-    add_product_adjoints(&T, &T##_run[i], x, bar, k, top, are_squares, terms);
-#define ADJOINTS_LINEAR(T, i, terms) add_linear_adjoints(&T, &T##_run[i], bar + k * T.slot_count, terms);
-#define ADJOINTS_SUMS(T, i)          T##_sums_back_##i(bar + k * T.slot_count);
 
 /* The instruction set for which this code is compiled. */
 #if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
@@ -119,31 +94,11 @@
     }
 
 #define JET_GENERATED_SERIES(T)                                                                                        \
-    JET_INLINE bool T##_series_of(double *x, int k)                                                                    \
+    JET_INLINE bool T##_series_of_one_lane(double *x, int k)                                                           \
     {                                                                                                                  \
         enum { lanes = 1 };                                                                                            \
         if (k == 0) return T##_values_1(x);                                                                            \
         T##_RUNS(SERIES_RULE, SERIES_PRODUCTS, SERIES_LINEAR) return true;                                             \
-    }
-
-#define JET_GENERATED_TANGENTS(T)                                                                                      \
-    JET_INLINE void T##_tangents_of(const double *x, double *dx, int k, int lanes)                                     \
-    {                                                                                                                  \
-        T##_RUNS(TANGENTS_RULE, TANGENTS_PRODUCTS, TANGENTS_LINEAR)                                                    \
-    }
-
-#define JET_GENERATED_TANGENTS_PER_LANE(T, LANES)                                                                      \
-    NEVER void T##_tangents_per_lane_##LANES(const double *x, double *dx)                                              \
-    {                                                                                                                  \
-        enum { lanes = LANES };                                                                                        \
-        T##_RUNS(PER_LANE_RULE, PER_LANE_PRODUCTS, PER_LANE_LINEAR);                                                   \
-    }
-
-#define JET_GENERATED_ADJOINTS(T)                                                                                      \
-    JET_INLINE void T##_adjoints_of(const double *x, double *bar, int k, int top)                                      \
-    {                                                                                                                  \
-        (void)x, (void)bar, (void)k, (void)top;                                                                        \
-        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_PRODUCTS, ADJOINTS_LINEAR, ADJOINTS_SUMS)                                \
     }
 
 #endif

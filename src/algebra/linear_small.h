@@ -1,7 +1,6 @@
 /* linear_small.h - Factors and solves systems so small that a call of LAPACK costs more than their arithmetic. The
  * functions linear_small_* do what dgetf2 and dgetrs do with the same data: matrices are column-major, and pivots
- * count from 1. linear.c and the curves call it; it is part of the text of generated code, where the sizes are
- * constants. */
+ * count from 1. linear.c and the curves call it. */
 #ifndef TVI_SRC_ALGEBRA_LINEAR_SMALL_H
 #define TVI_SRC_ALGEBRA_LINEAR_SMALL_H
 

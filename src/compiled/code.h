@@ -11,7 +11,6 @@
 typedef enum { TVI_CODE_SERIES, TVI_CODE_VALUES, TVI_CODE_R_DOT_HP, TVI_CODE_HESSIAN, TVI_CODE_TAPES } tvi_code_tape;
 
 struct galerkin_generated_code;
-struct tvi_generated_curve_functions;
 
 /* The data and functions of generated code. */
 typedef struct tvi_generated_code_table {
@@ -24,8 +23,6 @@ typedef struct tvi_generated_code_table {
     const jet_sweeps *sweeps[TVI_CODE_TAPES];
     /* The generated loops of the Galerkin curve; NULL: those of the library run. */
     const struct galerkin_generated_code *galerkin;
-    /* The generated functions of a Taylor curve; NULL: those of the library run. */
-    const struct tvi_generated_curve_functions *taylor_curve;
 } tvi_generated_code_table;
 
 /* Generated code that can be attached to integrators. */

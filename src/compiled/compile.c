@@ -57,10 +57,9 @@ static const char *why_name_refused(const char *name)
 
 /* ---- The text ---------------------------------------------------------------------------------------------------- */
 
-extern const char *const tvi_embedded_code[], *const tvi_embedded_galerkin[], *const tvi_embedded_curve[];
+extern const char *const tvi_embedded_code[], *const tvi_embedded_galerkin[];
 extern const char *const tvi_embedded_galerkin_plain[], *const tvi_embedded_galerkin_lagrangian[];
 extern const char *const tvi_embedded_galerkin_hamiltonian[];
-extern const char *const tvi_embedded_products[], *const tvi_embedded_generated_curve[];
 
 static uint64_t hash_lines(uint64_t hash, const char *const lines[])
 {
@@ -75,10 +74,7 @@ uint64_t tvi_compiled_hash_library_text(void)
                                         tvi_embedded_galerkin,
                                         tvi_embedded_galerkin_plain,
                                         tvi_embedded_galerkin_lagrangian,
-                                        tvi_embedded_galerkin_hamiltonian,
-                                        tvi_embedded_curve,
-                                        tvi_embedded_products,
-                                        tvi_embedded_generated_curve};
+                                        tvi_embedded_galerkin_hamiltonian};
     uint64_t hash = JET_HASH_OF_NOTHING;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) hash = hash_lines(hash, texts[i]);
     return hash;
@@ -122,7 +118,7 @@ static void write_source_text(jet_text *text, const tvi_system *stepped_system, 
         if (requests[i]->name_prefix) jet_emit_tape(text, tapes[i], requests[i]);
     if (uses.emit_loops) uses.emit_loops(text, stepped_system, resolved_options);
     emit_code_table_initialiser(text, requests, stepped_system, resolved_options);
-    if (uses.emit_loops) jet_text_append(text, "    .%s = &tvi_loops,\n", uses.loops_pointer_name);
+    if (uses.emit_loops) jet_text_append(text, "    .galerkin = &tvi_loops,\n");
     jet_text_append(text, "};\n");
     jet_text_append(text,
                     "static const struct tvi_compiled tvi_generated = {&tvi_generated_code, 0, 0};\n#undef %s\n"

@@ -376,7 +376,6 @@ static tvi_tapes_of_steps list_used_tapes(const tvi_system *system, const tvi_op
     const int of_batch = width > 1 ? width * options->degree : 0;
     tvi_tapes_of_steps used = {
         .value_tape_emission = {.name_prefix = "tvi_values", .value_lane_counts = {lanes, of_batch}},
-        .loops_pointer_name = "galerkin",
         .emit_loops = emit_generated_steps};
     if (system->hessian_values)
         used.hessian_tape_emission = (jet_emission_request){.name_prefix = "tvi_hessian", .value_lane_counts = {lanes}};

@@ -103,19 +103,8 @@ static tvi_status compute_action_gradient_with_truncated_q(tvi_action *action, c
 static tvi_status compute_seeds_without_finite_check(tvi_action *action, tvi_curve *curve, double seed_Q[],
                                                      double seed_U[])
 {
-    if (seeds_need_no_second_derivatives(action)) {
-        if (!curve->generated_code || !curve->generated_code->compute_seeds)
-            return tvi_choose_curve_isa_functions(action->field_tape)->compute_seeds(action, curve, seed_Q, seed_U);
-        const tvi_status status = curve->generated_code->compute_seeds(action, curve, seed_Q, seed_U);
-        /* Generated code cannot measure the roundoff of momenta. If its Newton iteration for the momenta at the nodes
-         * stalls, the library repeats the iteration, and measures whether the last corrections are roundoff. */
-        if (status == TVI_ENOCONV)
-            return tvi_choose_curve_isa_functions(action->field_tape)->compute_seeds(action, curve, seed_Q, seed_U);
-        if (status == TVI_EDOMAIN)
-            (void)jet_set_error_text_of_failed_sweep(action->field_tape, action->field_tape_values_at_nodes,
-                                                     action->node_count);
-        return status;
-    }
+    if (seeds_need_no_second_derivatives(action))
+        return tvi_choose_curve_isa_functions(action->field_tape)->compute_seeds(action, curve, seed_Q, seed_U);
     seeds_clear_seeds_and_evaluate_curve_at_nodes(action, curve, seed_Q, seed_U);
     const tvi_status status = compute_action_gradient_with_truncated_q(action, curve);
     if (status == TVI_OK) seeds_compute_from_node_gradient(action, curve, seed_Q, seed_U);

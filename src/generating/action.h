@@ -11,7 +11,7 @@
 #include "method/descriptor.h"
 
 /* Returns an action of `width` members that has no memory yet: only its sizes and switches are set. They follow from
- * the method that the resolved options choose; generated code has them as constants. */
+ * the method that the resolved options choose. */
 tvi_action tvi_create_unallocated_action(const tvi_system *system, const tvi_options *options, int width);
 /* Returns the tape that evaluates the field at the nodes. */
 const jet_tape *tvi_select_node_tape(const tvi_system *system, const tvi_action *action);

@@ -373,8 +373,7 @@ static void compute_dense_output(void *workspace, double theta, double dq[], dou
 
 static tvi_tapes_of_steps find_used_tapes(const tvi_system *system, const tvi_options *options)
 {
-    return tvi_curve_find_used_tapes(system, options, options->degree, options->quadrature_points,
-                                     TVI_JACOBIAN_MATRICES);
+    return tvi_curve_find_used_tapes(system, options, options->quadrature_points, TVI_JACOBIAN_MATRICES);
 }
 
 static const tvi_stepper stepper = {.allocate = allocate_stepper,

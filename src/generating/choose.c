@@ -29,7 +29,6 @@ bool tvi_has_fast_path_step(const tvi_system *system, const tvi_options *options
 tvi_fast_path_step_fn *tvi_choose_fast_path_step(const tvi_corrected_curve *corrected, const tvi_options *options)
 {
     if (!tvi_has_fast_path_step(corrected->system, options)) return NULL;
-    if (corrected->curve.generated_code) return corrected->curve.generated_code->fast_path_step;
     const tvi_curve_isa_functions *functions = tvi_choose_curve_isa_functions(corrected->system->field_series);
     return corrected->curve.member_count > 1 ? functions->fast_path_step_of_members : functions->fast_path_step;
 }

@@ -17,13 +17,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Returns the system's generated code if it was made for this highest order, otherwise NULL. */
-static const tvi_generated_curve_functions *find_generated_code(const tvi_system *system, int highest_order)
-{
-    const tvi_generated_curve_functions *code = system->code ? system->code->taylor_curve : NULL;
-    return code && code->highest_order == highest_order ? code : NULL;
-}
-
 /* Allocates the blocks of tangents and adjoints, the Jacobians, and the velocity Hessian with its scratch. */
 static void allocate_tangents_and_hessian(tvi_curve *curve, tvi_arena *arena)
 {
@@ -58,7 +51,6 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
     const size_t orders = (size_t)highest_order + 1, n = (size_t)system->n, numbers = n * (size_t)width;
     memset(curve, 0, sizeof *curve);
     curve->system = system;
-    curve->generated_code = width > 1 ? NULL : find_generated_code(system, highest_order);
     curve->jacobian_method = jacobians;
     curve->n = system->n;
     curve->member_count = width;
@@ -127,28 +119,20 @@ tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
 {
     static const double none = 0;
     curve_set_centre_time(curve, &centre, &none, 0);
-    if (!curve->generated_code) {
-        const tvi_status status = curve_expand_series(curve);
-        return status != TVI_OK || curve_has_finite_coefficients(curve) ? status : TVI_ENONFINITE;
-    }
-    const tvi_status status = curve->generated_code->expand(curve);
-    if (status == TVI_EDOMAIN)
-        (void)jet_set_error_text_of_failed_sweep(curve->system->field_series, curve->series_block, 1);
-    return status;
+    const tvi_status status = curve_expand_series(curve);
+    return status != TVI_OK || curve_has_finite_coefficients(curve) ? status : TVI_ENONFINITE;
 }
 
 /* ---- Sums over the coefficients ---------------------------------------------------------------------------------- */
 
 void tvi_curve_compute_centre_state_sizes(const tvi_curve *curve, double size[])
 {
-    if (curve->generated_code) curve->generated_code->centre_state_sizes(curve, size);
-    else curve_compute_centre_state_sizes(curve, size);
+    curve_compute_centre_state_sizes(curve, size);
 }
 
 void tvi_curve_sum_combination(const tvi_curve *curve, const tvi_coefficient_combination *combination, double out[])
 {
-    if (curve->generated_code) curve->generated_code->sum_combination(curve, combination, out);
-    else curve_sum_combination(curve, combination, out);
+    curve_sum_combination(curve, combination, out);
 }
 
 void tvi_curve_set_summed_degrees(tvi_curve *curve, int q_degree, int p_degree)
@@ -163,37 +147,20 @@ void tvi_curve_set_summed_degrees(tvi_curve *curve, int q_degree, int p_degree)
     tvi_combination_set_weights(&curve->momentum_size_weights, curve, true, weight);
 }
 
-void tvi_curve_compute_displacement_sizes(const tvi_curve *curve)
-{
-    curve->generated_code ? curve->generated_code->displacement_sizes(curve) : curve_compute_displacement_sizes(curve);
-}
+void tvi_curve_compute_displacement_sizes(const tvi_curve *curve) { curve_compute_displacement_sizes(curve); }
 
-double tvi_curve_compute_tail(const tvi_curve *curve)
-{
-    return curve->generated_code ? curve->generated_code->tail(curve) : curve_compute_tail(curve);
-}
+double tvi_curve_compute_tail(const tvi_curve *curve) { return curve_compute_tail(curve); }
 
 /* ---- Steps of adapted size --------------------------------------------------------------------------------------- */
 
-static bool has_generated_functions(const tvi_curve *curve)
-{
-    return curve->generated_code && curve->generated_code->largest_usable_s;
-}
-
 double tvi_curve_estimate_largest_usable_s(const tvi_curve *curve, double log_tolerance)
 {
-    return has_generated_functions(curve) ? curve->generated_code->largest_usable_s(curve, log_tolerance)
-                                          : curve_estimate_largest_usable_s(curve, log_tolerance);
+    return curve_estimate_largest_usable_s(curve, log_tolerance);
 }
 
 void tvi_curve_rescale_and_sum(tvi_curve *curve, double factor, double dq[], double du[])
 {
-    if (has_generated_functions(curve)) curve->generated_code->rescale_and_sum(curve, factor, dq, du);
-    else tvi_choose_curve_isa_functions(curve->system->field_series)->rescale_and_sum(curve, factor, dq, du);
+    tvi_choose_curve_isa_functions(curve->system->field_series)->rescale_and_sum(curve, factor, dq, du);
 }
 
-double tvi_curve_bound_energy_change(const tvi_curve *curve)
-{
-    return has_generated_functions(curve) ? curve->generated_code->energy_change_bound(curve)
-                                          : curve_bound_energy_change(curve);
-}
+double tvi_curve_bound_energy_change(const tvi_curve *curve) { return curve_bound_energy_change(curve); }

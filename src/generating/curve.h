@@ -42,16 +42,10 @@ void tvi_curve_compute_jacobians(tvi_curve *curve);
  * others. */
 tvi_jacobians tvi_curve_choose_jacobian_method(const tvi_system *system);
 
-/* Returns the sweeps of the tapes that a stepper needs if its curves are expanded to highest_order and use their
- * Jacobians in the way `jacobians`, and its action has `points` nodes. */
-tvi_tapes_of_steps tvi_curve_find_used_tapes(const tvi_system *system, const tvi_options *options, int highest_order,
-                                             int points, tvi_jacobians jacobians);
-
-/* Emit the functions of a curve (tvi_generated_curve_functions, seeds.h) into generated code: without Jacobians, with
- * products by Jacobians, and with Jacobian matrices. tvi_tapes_of_steps.emit_loops points to one of them. */
-void tvi_curve_emit_code_without_jacobians(jet_text *text, const tvi_system *system, const tvi_options *options);
-void tvi_curve_emit_code_with_jacobian_products(jet_text *text, const tvi_system *system, const tvi_options *options);
-void tvi_curve_emit_code_with_jacobian_matrices(jet_text *text, const tvi_system *system, const tvi_options *options);
+/* Returns the sweeps of the tapes that a stepper needs if its curves use their Jacobians in the way `jacobians`, and
+ * its action has `points` nodes. */
+tvi_tapes_of_steps tvi_curve_find_used_tapes(const tvi_system *system, const tvi_options *options, int points,
+                                             tvi_jacobians jacobians);
 
 /* Computes the natural sizes of the numbers of the centre state z [2n], relative to which their corrections are
  * measured: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */

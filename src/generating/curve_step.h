@@ -1,8 +1,8 @@
 /* curve_step.h - makes the fast-path step of a method that expands one Taylor curve, and computes the parts of all
  * other steps of such a method. The fast-path step is the common case of a whole step, whose passes converge as usual.
  * It has no fallbacks, such as row exchanges or Jacobians by differences. If a step needs a fallback, the fast-path
- * step reports failure, and curve_stepper.c makes the step. curve_stepper.c, fast_path.c, fast_path_members.c and
- * generated code (generated_curve.h) call this file; generated code has every size as a constant. */
+ * step reports failure, and curve_stepper.c makes the step. curve_stepper.c, fast_path.c and
+ * fast_path_members.c call this file. */
 #ifndef TVI_SRC_GENERATING_CURVE_STEP_H
 #define TVI_SRC_GENERATING_CURVE_STEP_H
 
@@ -57,13 +57,6 @@ static inline void step_compute_residual(const tvi_curve_workspace *work, const 
     }
 }
 
-/* Returns whether the method corrects the ends of the curve. Generated code has fast-path steps only of methods that
- * do, and returns true. */
-static inline bool step_has_symplectic_end_corrections(const tvi_curve_workspace *work)
-{
-    return CURVE_SIZE(true, work->has_symplectic_end_corrections);
-}
-
 /* Computes out, the sum of the combination at the centre state z + dz to first order in dz, with dz the last correction
  * of the passes, which has not been added to z. */
 static inline void step_sum_combination_to_first_order_in_dz(const tvi_curve_workspace *work,
@@ -71,7 +64,7 @@ static inline void step_sum_combination_to_first_order_in_dz(const tvi_curve_wor
                                                              double out[])
 {
     CURVE_CALL(sum_combination, &work->corrected_curve.curve, combination, out);
-    if (!step_has_symplectic_end_corrections(work)) return;
+    if (!work->has_symplectic_end_corrections) return;
     CURVE_CALL(differentiate_sum_along_set_dz, &work->corrected_curve.curve, combination, work->scratch);
     for (int i = 0; i < curve_coefficient_row_length(&work->corrected_curve.curve); i++) out[i] += work->scratch[i];
 }
@@ -90,7 +83,7 @@ static inline void step_compute_increments(const tvi_curve_workspace *work,
     step_sum_combination_to_first_order_in_dz(work, scaled_p_increment_weights, dp);
     for (int i = 0; i < curve_coefficient_row_length(&corrected->curve); i++) {
         dp[i] /= corrected->curve.momentum_scale_factor[i / width];
-        if (!step_has_symplectic_end_corrections(work)) continue;
+        if (!work->has_symplectic_end_corrections) continue;
         dq[i] += correction_fraction * corrected->increment_correction_q[i];
         dp[i] += correction_fraction * corrected->increment_correction_p[i];
     }
@@ -264,7 +257,7 @@ static inline void step_apply_corrections(const step_newton_pass_context *pass_c
     const int width = curve_member_count(&pass_context->work->corrected_curve.curve);
     const double *correction = newton->correction;
     double *restrict x = newton->x;
-    for (int i = 0; i < newton_count_unknowns(newton); i++, x += width, correction += width)
+    for (int i = 0; i < newton->unknown_count; i++, x += width, correction += width)
         for (int m = 0; m < width; m++) x[m] = pass_context->iterating_mask[m] ? x[m] + correction[m] : x[m];
 }
 

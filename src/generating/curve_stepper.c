@@ -269,7 +269,7 @@ static tvi_tapes_of_steps find_used_tapes(const tvi_system *system, const tvi_op
     const bool has_symplectic_end_corrections =
         definition->correct_ends_by_generating_function && options->passes != TVI_PREDICT_ONLY;
     const tvi_action shape = tvi_create_unallocated_action(system, options, 1);
-    return tvi_curve_find_used_tapes(system, options, shape.order_count - 1, shape.node_count,
+    return tvi_curve_find_used_tapes(system, options, shape.node_count,
                                      has_symplectic_end_corrections ? tvi_curve_choose_jacobian_method(system)
                                                                     : TVI_NO_JACOBIANS);
 }

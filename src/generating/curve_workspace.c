@@ -23,13 +23,9 @@ static void allocate_corrected_curve(tvi_corrected_curve *c, tvi_arena *arena, c
     c->solve_end_corrections = definition->correct_ends_by_generating_function;
     c->end_correction_factors = &definition->end_correction_factors;
     const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
-    const tvi_end_correction_solver *solver =
-        has_products ? tvi_choose_curve_isa_functions(system->field_series)->matrix_free_solver
-                     : &tvi_solver_by_matrices;
+    c->solver = has_products ? tvi_choose_curve_isa_functions(system->field_series)->matrix_free_solver
+                             : &tvi_solver_by_matrices;
     tvi_curve_allocate(&c->curve, arena, system, sizes.order_count - 1, jacobians, width);
-    c->solver = c->curve.generated_code && c->curve.generated_code->matrix_free_solver
-                    ? c->curve.generated_code->matrix_free_solver
-                    : solver;
     tvi_coefficient_combination *const combinations[] = {&c->q_at_start_weights,           &c->q_at_end_weights,
                                                          &c->q_increment_weights,          &c->q_mean_weights,
                                                          &c->scaled_p_at_start_weights,    &c->scaled_p_at_end_weights,
@@ -45,7 +41,7 @@ static void allocate_corrected_curve(tvi_corrected_curve *c, tvi_arena *arena, c
     const size_t seeds = ((size_t)c->curve.highest_order + 1) * n;
     c->momentum_term_abs_sum = tvi_arena_allocate_doubles(arena, n);
     c->gradient_then_solution = tvi_arena_allocate_doubles(arena, 2 * n);
-    solver->allocate(c, arena);
+    c->solver->allocate(c, arena);
     c->action_gradient_by_coefficients_Q = tvi_arena_allocate_doubles(arena, seeds);
     c->action_gradient_by_coefficients_U = tvi_arena_allocate_doubles(arena, seeds);
 }

@@ -17,43 +17,20 @@ tvi_jacobians tvi_curve_choose_jacobian_method(const tvi_system *system)
 
 /* ---- Matrices ---------------------------------------------------------------------------------------------------- */
 
-void tvi_curve_compute_jacobians(tvi_curve *curve)
-{
-    if (curve->generated_code && curve->generated_code->differentiate) curve->generated_code->differentiate(curve);
-    else curve_compute_jacobians(curve);
-}
+void tvi_curve_compute_jacobians(tvi_curve *curve) { curve_compute_jacobians(curve); }
 
 void tvi_curve_sum_combination_jacobian(const tvi_curve *curve, const tvi_coefficient_combination *combination,
                                         double matrix[])
 {
-    if (curve->generated_code) curve->generated_code->sum_combination_jacobian(curve, combination, matrix);
-    else curve_sum_combination_jacobian(curve, combination, matrix);
+    curve_sum_combination_jacobian(curve, combination, matrix);
 }
 
-/* The tangents of Jacobian matrices are computed in blocks of CURVE_TANGENT_DIRECTIONS directions, and a last block of
- * those that are left. */
-tvi_tapes_of_steps tvi_curve_find_used_tapes(const tvi_system *system, const tvi_options *options, int highest_order,
-                                             int points, tvi_jacobians jacobians)
+tvi_tapes_of_steps tvi_curve_find_used_tapes(const tvi_system *system, const tvi_options *options, int points,
+                                             tvi_jacobians jacobians)
 {
-    const int directions = 2 * system->n, left = directions % CURVE_TANGENT_DIRECTIONS;
-    const bool is_whole = system->form != TVI_LAGRANGIAN || system->n <= LINEAR_OWN_MAX_ROWS;
-    tvi_tapes_of_steps used = {.series_tape_emission = {.name_prefix = "tvi_series",
-                                                        .value_lane_counts = {1},
-                                                        .top_order = highest_order,
-                                                        .needs_series_sweep = !is_whole},
-                               .loops_pointer_name = "taylor_curve",
-                               .emit_loops = is_whole ? tvi_curve_emit_code_without_jacobians : NULL};
+    tvi_tapes_of_steps used = {
+        .series_tape_emission = {.name_prefix = "tvi_series", .value_lane_counts = {1}, .needs_series_sweep = true}};
     if (jacobians == TVI_NO_JACOBIANS) return used;
-    used.series_tape_emission.needs_adjoint_sweep = jacobians == TVI_JACOBIAN_PRODUCTS;
-    if (used.series_tape_emission.needs_adjoint_sweep) used.series_tape_emission.tangent_direction_counts[0] = 1;
-    else if (is_whole) used.series_tape_emission.tangent_direction_counts[0] = 0;
-    else if (directions < CURVE_TANGENT_DIRECTIONS) used.series_tape_emission.tangent_direction_counts[0] = left;
-    else
-        used.series_tape_emission.tangent_direction_counts[0] = CURVE_TANGENT_DIRECTIONS,
-        used.series_tape_emission.tangent_direction_counts[1] = left;
-    if (is_whole)
-        used.emit_loops = used.series_tape_emission.needs_adjoint_sweep ? tvi_curve_emit_code_with_jacobian_products
-                                                                        : tvi_curve_emit_code_with_jacobian_matrices;
     if (system->form == TVI_HAMILTONIAN)
         used.series_tape_emission.value_lane_counts[1] = points; /* for H_pp at the nodes, one lane for each node */
     used.value_tape_emission = (jet_emission_request){.name_prefix = "tvi_values", .value_lane_counts = {points}};
@@ -67,17 +44,14 @@ tvi_tapes_of_steps tvi_curve_find_used_tapes(const tvi_system *system, const tvi
 
 void tvi_curve_set_product_direction(tvi_curve *curve, const double dz[])
 {
-    if (curve->generated_code && curve->generated_code->set_direction) curve->generated_code->set_direction(curve, dz);
-    else if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS) products_compute_tangents(curve, dz);
+    if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS) products_compute_tangents(curve, dz);
     else memcpy(curve->product_direction, dz, 2 * (size_t)curve->n * sizeof *dz);
 }
 
 void tvi_curve_differentiate_sum_along_set_dz(const tvi_curve *curve, const tvi_coefficient_combination *combination,
                                               double derivative[])
 {
-    if (curve->generated_code && curve->generated_code->differentiate_sum_along_set_dz)
-        curve->generated_code->differentiate_sum_along_set_dz(curve, combination, derivative);
-    else if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS)
+    if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS)
         products_differentiate_sum_along_set_dz(curve, combination, derivative);
     else curve_differentiate_sum_along_set_dz(curve, combination, derivative);
 }
@@ -88,7 +62,5 @@ void tvi_curve_multiply_transposed_jacobians_by_seeds(tvi_curve *curve, const do
     if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS)
         products_multiply_by_transposed_jacobians(curve, curve->highest_order,
                                                   &(tvi_transposed_jacobian_operands){.seed_Q = seed_Q}, out);
-    else if (curve->generated_code)
-        curve->generated_code->multiply_transposed_jacobians_by_seeds(curve, seed_Q, seed_U, out);
     else curve_multiply_transposed_jacobians_by_seeds(curve, seed_Q, seed_U, out);
 }

@@ -1,5 +1,5 @@
 /* matrices.h - decides when the Jacobian matrices of the curve's ends are computed anew, and forms them. matrices.c
- * and curve_step.h call it. Generated code includes this text (emit.c) with every size as a constant. */
+ * and curve_step.h call it. */
 #ifndef TVI_SRC_GENERATING_MATRICES_H
 #define TVI_SRC_GENERATING_MATRICES_H
 

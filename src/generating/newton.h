@@ -1,6 +1,6 @@
 /* newton.h - declares the corrector, which solves a method's equations r(x) = 0 by passes x <- x - K^-1 r(x) with an
  * approximate Jacobian K, until the corrections are roundoff (docs/method.md section 5). The steppers
- * curve_stepper.c and both_ends.c call it. Generated code includes this text. */
+ * curve_stepper.c and both_ends.c call it. */
 #ifndef TVI_SRC_GENERATING_NEWTON_H
 #define TVI_SRC_GENERATING_NEWTON_H
 
@@ -129,18 +129,6 @@ typedef struct {
     double *max_contraction_ratio_growth_of_member;
 } tvi_newton;
 
-/* The next two functions return the number of unknowns, and the number of unknowns of one group. Both numbers are
- * constants in generated code. */
-static inline int newton_count_unknowns(const tvi_newton *newton)
-{
-    return CURVE_SIZE(2 * CURVE_N, newton->unknown_count);
-}
-
-static inline int newton_count_unknowns_per_group(const tvi_newton *newton)
-{
-    return CURVE_SIZE(CURVE_N, newton->unknowns_per_group);
-}
-
 /* Measures the corrections of one subsystem in each group of unknowns, for the entries begin .. end - 1 of the list of
  * components. `scale` is newton->scale or newton->roundoff_scale. A correction that is not finite makes the sizes NaN,
  * since x - x is 0 for finite x only. */
@@ -150,7 +138,7 @@ static inline void newton_measure_subsystem_corrections(const tvi_newton *newton
     const int width = CURVE_WIDTH(newton);
     double *restrict relative = sizes->largest_relative_correction, *restrict relative_group_correction =
                                                                         sizes->relative_group_correction;
-    for (int first = 0; first < newton_count_unknowns(newton); first += newton_count_unknowns_per_group(newton)) {
+    for (int first = 0; first < newton->unknown_count; first += newton->unknowns_per_group) {
         double largest[CURVE_MOST_WIDTH] = {0}, largest_scale[CURVE_MOST_WIDTH] = {0}, rest[CURVE_MOST_WIDTH] = {0};
         for (int k = begin; k < end; k++) {
             const int at = (first + tvi_subsystems_component_at(newton->subsystems, k)) * width;
@@ -178,7 +166,7 @@ static inline void newton_measure_corrections(const tvi_newton *newton, const do
     for (int m = 0; m < CURVE_WIDTH(newton); m++)
         sizes->largest_relative_correction[m] = sizes->relative_group_correction[m] = 0;
     for (int k = 0, begin = 0, end; k < subsystems->count; k++, begin = end) {
-        end = tvi_subsystems_end_in_component_list(subsystems, k, newton_count_unknowns_per_group(newton));
+        end = tvi_subsystems_end_in_component_list(subsystems, k, newton->unknowns_per_group);
         newton_measure_subsystem_corrections(newton, scale, begin, end, sizes);
     }
 }
@@ -190,7 +178,7 @@ static inline void newton_measure_corrections(const tvi_newton *newton, const do
 static inline void newton_raise_small_scales_in_subsystem(const tvi_newton *newton, int member, int begin, int end)
 {
     const int width = CURVE_WIDTH(newton);
-    for (int first = 0; first < newton_count_unknowns(newton); first += newton_count_unknowns_per_group(newton)) {
+    for (int first = 0; first < newton->unknown_count; first += newton->unknowns_per_group) {
         double largest = 0, *scale = newton->scale + first * width + member;
         for (int k = begin; k < end; k++)
             largest = tvi_larger(scale[tvi_subsystems_component_at(newton->subsystems, k) * width], largest);
@@ -207,7 +195,7 @@ static inline void newton_raise_scales_of_small_unknowns(const tvi_newton *newto
 {
     const tvi_subsystems *subsystems = newton->subsystems;
     for (int k = 0, begin = 0, end; k < subsystems->count; k++, begin = end) {
-        end = tvi_subsystems_end_in_component_list(subsystems, k, newton_count_unknowns_per_group(newton));
+        end = tvi_subsystems_end_in_component_list(subsystems, k, newton->unknowns_per_group);
         newton_raise_small_scales_in_subsystem(newton, member, begin, end);
     }
 }

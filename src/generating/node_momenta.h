@@ -1,6 +1,5 @@
 /* node_momenta.h - solves H_p(q, p) = v for the momenta p at the nodes of the action by Newton's method, with the
- * positions q and velocities v of the curve given. seeds.h calls it for a Hamiltonian whose action is Lagrange's. It is
- * part of the text of generated code (emit.c), where every size is a constant. */
+ * positions q and velocities v of the curve given. seeds.h calls it for a Hamiltonian whose action is Lagrange's. */
 #ifndef TVI_SRC_GENERATING_NODE_MOMENTA_H
 #define TVI_SRC_GENERATING_NODE_MOMENTA_H
 
@@ -21,7 +20,8 @@ static inline void momenta_compute_H_pp(const tvi_action *action, const tvi_curv
     for (int j = 0; j < n; j++) {
         double *direction = action->field_tangent_block + (n + j) * points;
         for (int node = 0; node < points; node++) direction[node] = 1;
-        SEEDS_TANGENTS(tape, action->field_tape_values_at_nodes, action->field_tangent_block, points);
+        jet_sweep_one_tangent_per_lane(tape, action->field_tape_values_at_nodes, action->field_tangent_block, 0,
+                                       points);
         for (int i = 0; i < n; i++)
             memcpy(action->H_pp + (i * n + j) * points,
                    seeds_get_field_output_row(action, tape, action->field_tangent_block, n + i),
@@ -41,10 +41,10 @@ static inline void momenta_copy_H_pp_of_node(const tvi_action *action, const tvi
 static inline tvi_status momenta_invert_H_pp_by_columns(const tvi_action *action, tvi_curve *curve, int node)
 {
     const int n = curve_dimension(curve);
-    const tvi_status status = CURVE_FACTOR(&curve->velocity_hessian);
+    const tvi_status status = tvi_factor_compute(&curve->velocity_hessian);
     for (int j = 0; j < n && status == TVI_OK; j++) {
         for (int i = 0; i < n; i++) curve->right_side_column[i] = i == j;
-        CURVE_SOLVE(&curve->velocity_hessian, curve->right_side_column);
+        tvi_factor_solve(&curve->velocity_hessian, curve->right_side_column);
         for (int i = 0; i < n; i++) action->H_pp[(i * n + j) * action->node_count + node] = curve->right_side_column[i];
     }
     return status;
@@ -125,7 +125,7 @@ static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *c
         if (verdict == TVI_PASSES_MAY_END ||
             (verdict == TVI_PASSES_STUCK &&
              (largest <= MOMENTA_STALLED_CORRECTION * size ||
-              tvi_convergence_test_set_measured_roundoff(&passes, MOMENTA_ROUNDOFF(action, curve)))))
+              tvi_convergence_test_set_measured_roundoff(&passes, tvi_estimate_node_momenta_roundoff(action, curve)))))
             return seeds_evaluate_field_at_nodes(action);
     }
     return TVI_ENOCONV;

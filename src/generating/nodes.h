@@ -1,5 +1,5 @@
 /* nodes.h - evaluates the Taylor curve and the field at the nodes of the discrete action. seeds.h calls it in each
- * pass. Generated code includes this text (emit.c) with every size as a constant. */
+ * pass. */
 #ifndef TVI_SRC_GENERATING_NODES_H
 #define TVI_SRC_GENERATING_NODES_H
 
@@ -194,14 +194,14 @@ static inline void seeds_compute_dp_ds_at_nodes(tvi_action *action, const tvi_cu
 static inline const double *seeds_get_field_output_row(const tvi_action *action, const jet_tape *tape, const double *x,
                                                        int i)
 {
-    return x + (size_t)CURVE_SIZE(CURVE_VALUES_SLOT, tape->output_slot)[i] * (size_t)seeds_count_lanes(action);
+    return x + (size_t)tape->output_slot[i] * (size_t)seeds_count_lanes(action);
 }
 
 /* ---- The field at the nodes -------------------------------------------------------------------------------------- */
 
 static inline tvi_status seeds_evaluate_field_at_nodes(const tvi_action *action)
 {
-    return SEEDS_VALUES(action->field_tape, action->field_tape_values_at_nodes, seeds_count_lanes(action))
+    return jet_sweep_values(action->field_tape, action->field_tape_values_at_nodes, seeds_count_lanes(action))
                ? TVI_OK
                : TVI_EDOMAIN;
 }

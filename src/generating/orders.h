@@ -1,5 +1,5 @@
 /* orders.h - computes the coefficients of one order of a curve and of its tangents. curve.c, jacobian.c and the
- * fast-path steps call it. Generated code includes this text (emit.c) with every size as a constant.
+ * fast-path steps call it.
  *
  * A Lagrangian's order k needs three computations, with V_k the coefficient k of the velocity. First the field is
  * computed with V_k = 0, which omits the term L_vv V_k of [s^k] L_v. Then the equations are solved for V_k. Last, each
@@ -23,14 +23,6 @@
     }
 #else
 #define TVI_QUOTIENT(V, out, x, divisor) out = (x) / (divisor);
-#endif
-
-/* Generated code defines CURVE_FOLLOWS, which tells whether a slot depends on the velocity (emit.c). */
-#ifdef CURVE_FOLLOWS
-#define ORDERS_UNROLLED JET_UNROLL(32)
-#else
-#define ORDERS_UNROLLED
-#define CURVE_FOLLOWS(slot) true
 #endif
 
 /* Returns the first slot that the tape computes; before it are the inputs, the time and the constants. */
@@ -69,7 +61,7 @@ static inline tvi_status orders_factor_velocity_hessian(tvi_curve *curve)
                                           linear_unpivoted_invert(curve_dimension(curve), curve->velocity_hessian.lu);
     if (curve->is_velocity_hessian_inverted) return TVI_OK;
     orders_copy_velocity_hessian(curve);
-    return CURVE_FACTOR(&curve->velocity_hessian);
+    return tvi_factor_compute(&curve->velocity_hessian);
 }
 
 /* ---- Orders of all lanes ----------------------------------------------------------------------------------------- */
@@ -95,7 +87,7 @@ static inline void orders_solve_with_velocity_hessian(const tvi_curve *curve, in
     for (int lane = 0; lane < lanes; lane++) {
         double *column = curve->right_side_column;
         for (int i = 0; i < n; i++) column[i] = right_side[i * lanes + lane];
-        CURVE_SOLVE(&curve->velocity_hessian, column);
+        tvi_factor_solve(&curve->velocity_hessian, column);
         for (int i = 0; i < n; i++) out[i * lanes + lane] = column[i];
     }
 }
@@ -114,9 +106,7 @@ static inline void orders_add_velocity_terms_to_slots(const tvi_curve *curve, in
 {
     const int n = curve_dimension(curve), slots = (int)tvi_curve_order_stride(curve);
     const size_t stride = (size_t)lanes;
-    ORDERS_UNROLLED for (int slot = orders_get_first_slot_computed_by_tape(curve); slot < slots; slot++)
-    {
-        if (!CURVE_FOLLOWS(slot)) continue;
+    for (int slot = orders_get_first_slot_computed_by_tape(curve); slot < slots; slot++) {
         const double *column = curve->slot_derivatives_by_velocity + slot * n;
         double *row = slots_of_order + slot * lanes;
         JET_BLOCKS(lanes, ORDERS_ADD_VELOCITY, );

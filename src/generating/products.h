@@ -1,7 +1,7 @@
 /* products.h - solves the equations A^T x = D_z for the corrections of the curve's ends without forming Jacobians, for
  * separable systems of many coordinates. One tangent or adjoint sweep computes a product with a Jacobian, and
  * generalised conjugate residuals solve the equations (docs/method.md sections 2 and 5). corrected_curve.c calls it
- * through tvi_solver_by_products_*. Generated code includes this text (emit.c) with every size as a constant. */
+ * through tvi_solver_by_products_*. */
 #ifndef TVI_SRC_GENERATING_PRODUCTS_H
 #define TVI_SRC_GENERATING_PRODUCTS_H
 
@@ -23,7 +23,7 @@ static inline void products_compute_tangents(tvi_curve *curve, const double dz[]
     memcpy(curve->tangent_block, dz, n * sizeof *dz);
     memcpy(curve->tangent_block + order, dz + n, n * sizeof *dz);
     for (int k = 0; k + 2 <= curve_highest_order(curve); k++) {
-        PRODUCTS_TANGENTS(curve->system->field_series, curve->series_block, curve->tangent_block, k, 1);
+        jet_sweep_tangents(curve->system->field_series, curve->series_block, curve->tangent_block, k, 1);
         const double factor = curve->time_unit / ((k + 1) * (k + 2)), *force = curve->tangent_block + (size_t)k * order;
         double *next = curve->tangent_block + (size_t)(k + 2) * order;
         JET_BLOCKS((int)n, PRODUCTS_AIM, );
@@ -108,7 +108,7 @@ static inline void products_multiply_by_transposed_jacobians(tvi_curve *curve, i
         const double part = curve->time_unit / ((k + 1) * (k + 2)), *above = products_get_adjoint_of_Q(curve, k + 2);
         double *bar = products_get_adjoint_of_Q(curve, k);
         JET_BLOCKS((int)n, PRODUCTS_HAND_ON, );
-        PRODUCTS_ADJOINTS(curve->system->field_series, curve->series_block, curve->adjoint_block, k, last_order - 2);
+        jet_sweep_adjoints(curve->system->field_series, curve->series_block, curve->adjoint_block, k, last_order - 2);
     }
     memcpy(out, products_get_adjoint_of_Q(curve, 0), n * sizeof *out);
     memcpy(out + n, products_get_adjoint_of_Q(curve, 1), n * sizeof *out);

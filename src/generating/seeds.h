@@ -1,8 +1,7 @@
 /* seeds.h - computes the gradient D_z of the discrete action of a Taylor curve by z, the state at the curve's centre.
  * The gradient is computed in the form of seeds, which are vectors seed_Q[k] and seed_U[k] with D_z = sum_k (dQ_k/dz)^T
  * seed_Q[k] + (dU_k/dz)^T seed_U[k]. Here Q_k and U_k are the coefficients of s^k in the curve's position and in its
- * scaled momentum, and s is the scaled time. action.c and the fast-path steps call this file. Generated code includes
- * its text (emit.c).
+ * scaled momentum, and s is the scaled time. action.c and the fast-path steps call this file.
  *
  * D_z is a sum over the nodes of a quadrature. Its formulas use these letters:
  *     g, p              the position and the momentum of the curve, functions of s; P_j is the coefficient of s^j in p
@@ -248,11 +247,9 @@ static inline tvi_status seeds_compute_adjoint_seeds_from_field_only(tvi_action 
     return status;
 }
 
-/* ---- What generated code has ------------------------------------------------------------------------------------- */
+/* ---- Fast-path steps --------------------------------------------------------------------------------------------- */
 
-/* The functions below take pointers to these two structures, which the includers of this file declare. */
 struct tvi_curve_workspace;
-struct tvi_end_correction_solver;
 /* The results of a fast-path step: the increments dq and dp [n][member_count]; and for each member the tail (tail.h),
  * the residual, which is the size of the last correction, and the number of passes, or TVI_NOT_MADE if its step was not
  * made. A step is made for each member whose iterating_mask is set; the mask of a member is cleared when its passes
@@ -263,40 +260,9 @@ typedef struct {
     int *pass_counts;
     long long *iterating_mask;
 } tvi_fast_path_step_results;
-/* The type of the functions that make fast-path steps by step_try_fast_path_steps (curve_step.h). One of them is in
- * generated code; each of the others is compiled for one instruction set. */
+/* The type of the functions that make fast-path steps by step_try_fast_path_steps (curve_step.h), each of which is
+ * compiled for one instruction set. */
 typedef bool tvi_fast_path_step_fn(struct tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
                                    const tvi_fast_path_step_results *results, tvi_stats *stats);
-typedef struct tvi_generated_curve_functions {
-    int highest_order;
-    /* Expands the whole series from the centre state. */
-    tvi_status (*expand)(tvi_curve *curve);
-    void (*differentiate)(tvi_curve *curve);
-    void (*centre_state_sizes)(const tvi_curve *curve, double size[]);
-    void (*sum_combination)(const tvi_curve *curve, const tvi_coefficient_combination *combination, double out[]);
-    void (*displacement_sizes)(const tvi_curve *curve);
-    double (*tail)(const tvi_curve *curve);
-    /* largest_usable_s, rescale_and_sum and energy_change_bound are for steps of adapted size. NULL: the library's
-     * functions are used. */
-    double (*largest_usable_s)(const tvi_curve *curve, double log_tolerance);
-    void (*rescale_and_sum)(tvi_curve *curve, double factor, double dq[], double du[]);
-    double (*energy_change_bound)(const tvi_curve *curve);
-    void (*sum_combination_jacobian)(const tvi_curve *curve, const tvi_coefficient_combination *combination,
-                                     double matrix[]);
-    void (*set_direction)(tvi_curve *curve, const double dz[]);
-    void (*differentiate_sum_along_set_dz)(const tvi_curve *curve, const tvi_coefficient_combination *combination,
-                                           double out[]);
-    void (*multiply_transposed_jacobians_by_seeds)(tvi_curve *curve, const double seed_Q[], const double seed_U[],
-                                                   double out[]);
-    /* The solver of the equations for the corrections of the ends by products of Jacobians with vectors (products.c).
-     * Its function `allocate` is NULL, since the library allocates the solver's memory. NULL: the library's solver is
-     * used. */
-    const struct tvi_end_correction_solver *matrix_free_solver;
-    /* Computes the seeds of an action that needs only the field. The seeds are not checked to be finite. NULL: the
-     * library's function is used. */
-    tvi_status (*compute_seeds)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
-    /* Makes a fast-path step; NULL: the method has none. */
-    tvi_fast_path_step_fn *fast_path_step;
-} tvi_generated_curve_functions;
 
 #endif

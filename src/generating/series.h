@@ -1,6 +1,5 @@
-/* series.h - holds the coefficients of a curve, and sums them. The other headers of generated code call its inline
- * functions; steppers and solvers mostly call the functions of curve.h. Generated code includes this text (emit.c) with
- * every size as a constant. */
+/* series.h - holds the coefficients of a curve, and sums them. Other headers of curves call its inline functions;
+ * steppers and solvers mostly call the functions of curve.h. */
 #ifndef TVI_SRC_GENERATING_SERIES_H
 #define TVI_SRC_GENERATING_SERIES_H
 
@@ -23,12 +22,8 @@ typedef struct {
     double *order_weight; /* [highest_order + 1] the weight of the coefficient of each order */
 } tvi_coefficient_combination;
 
-struct tvi_generated_curve_functions;
-
 typedef struct {
     const tvi_system *system;
-    /* The functions of generated code, or NULL if the library's own are used. */
-    const struct tvi_generated_curve_functions *generated_code;
     tvi_jacobians jacobian_method;
     int n, highest_order; /* the number of coordinates, and the highest order of Q that is computed */
     int member_count;     /* the number of members, each with a curve; the member is the fastest index of all arrays */
@@ -65,10 +60,7 @@ typedef struct {
 
 /* ---- The sizes --------------------------------------------------------------------------------------------------- */
 
-/* The functions of this section return sizes, which are constants in generated code. CURVE_SLOT in generated code is
- * the array of the slots of the field's outputs. */
-
-static inline int curve_dimension(const tvi_curve *curve) { return CURVE_SIZE(CURVE_N, curve->n); }
+static inline int curve_dimension(const tvi_curve *curve) { return curve->n; }
 
 static inline int curve_member_count(const tvi_curve *curve) { return CURVE_WIDTH(curve); }
 
@@ -78,34 +70,28 @@ static inline int curve_coefficient_row_length(const tvi_curve *curve)
     return curve_dimension(curve) * curve_member_count(curve);
 }
 
-static inline int curve_highest_order(const tvi_curve *curve) { return CURVE_SIZE(CURVE_TOP, curve->highest_order); }
+static inline int curve_highest_order(const tvi_curve *curve) { return curve->highest_order; }
 
 /* curve_q_degree and curve_p_degree return the degrees to which Q and P are summed. */
-static inline int curve_q_degree(const tvi_curve *curve) { return CURVE_SIZE(CURVE_Q_DEGREE, curve->q_degree); }
+static inline int curve_q_degree(const tvi_curve *curve) { return curve->q_degree; }
 
-static inline int curve_p_degree(const tvi_curve *curve) { return CURVE_SIZE(CURVE_P_DEGREE, curve->p_degree); }
+static inline int curve_p_degree(const tvi_curve *curve) { return curve->p_degree; }
 
-static inline int curve_field_input_count(const tvi_curve *curve)
-{
-    return CURVE_SIZE(CURVE_INPUTS, curve->system->input_count);
-}
+static inline int curve_field_input_count(const tvi_curve *curve) { return curve->system->input_count; }
 
 static inline int curve_field_tape_constant_slot_count(const tvi_curve *curve)
 {
-    return CURVE_SIZE(tvi_series.constant_count, curve->system->field_series->constant_count);
+    return curve->system->field_series->constant_count;
 }
 
-static inline bool curve_uses_time(const tvi_curve *curve)
-{
-    return CURVE_SIZE(CURVE_USES_TIME, curve->system->uses_time);
-}
+static inline bool curve_uses_time(const tvi_curve *curve) { return curve->system->uses_time; }
 
-static inline tvi_form curve_system_form(const tvi_curve *curve) { return CURVE_SIZE(CURVE_FORM, curve->system->form); }
+static inline tvi_form curve_system_form(const tvi_curve *curve) { return curve->system->form; }
 
 /* Returns the slots of the field's outputs. */
 static inline const int *curve_field_output_slots(const tvi_curve *curve)
 {
-    return CURVE_SIZE(CURVE_SLOT, curve->system->field_series->output_slot);
+    return curve->system->field_series->output_slot;
 }
 
 static inline int curve_field_output_slot(const tvi_curve *curve, int i) { return curve_field_output_slots(curve)[i]; }
@@ -123,12 +109,11 @@ static inline bool curve_sums_momentum_coefficients(const tvi_curve *curve,
 /* Returns the distance, in numbers, from one order of the series' block to the next: its slots times the members. */
 static inline size_t tvi_curve_order_stride(const tvi_curve *curve)
 {
-    return (size_t)CURVE_SIZE(tvi_series.slot_count, curve->system->field_series->slot_count) *
-           (size_t)curve_member_count(curve);
+    return (size_t)curve->system->field_series->slot_count * (size_t)curve_member_count(curve);
 }
 
-/* Returns the number of tangent directions of one sweep. Generated code of small systems has all directions in one
- * sweep, since a partly filled vector costs less than a second sweep. */
+/* Returns the number of tangent directions of one sweep. Small systems have all directions in one sweep, since a partly
+ * filled vector costs less than a second sweep. */
 static inline int tvi_choose_tangent_lane_count(const tvi_system *system)
 {
     const int directions = 2 * system->n;

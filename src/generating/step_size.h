@@ -6,8 +6,7 @@
  * the state's size is below 1, and use the last two coefficients. Here q and p are measured separately, each by its
  * size or by its movement in the step, so that units have no effect and a body may start at rest or at 0.
  *
- * This file is part of the text of generated code (emit.c), where every size is a constant. Other files call the
- * functions of curve.h. */
+ * Other files call the functions of curve.h. */
 #ifndef TVI_SRC_GENERATING_STEP_SIZE_H
 #define TVI_SRC_GENERATING_STEP_SIZE_H
 

@@ -1,6 +1,6 @@
 /* tangents.h - computes the Jacobian matrices of a Taylor curve with respect to its centre state, in blocks of
  * tangent directions, and multiplies vectors by them. jacobian.c and the fast-path steps call it; other files call the
- * functions of curve.h. Generated code includes this text (emit.c) with every size as a constant. */
+ * functions of curve.h. */
 #ifndef TVI_SRC_GENERATING_TANGENTS_H
 #define TVI_SRC_GENERATING_TANGENTS_H
 
@@ -89,45 +89,27 @@ static inline void curve_store_jacobian_columns(const tvi_curve *curve, const cu
         }
 }
 
-/* Returns whether generated code reads the Jacobians from the block of tangents in place, which it can if one block has
- * all directions. */
-static inline bool curve_is_jacobian_in_tangent_block(void) { return CURVE_SIZE(CURVE_IN_PLACE, false); }
-
 static inline void curve_store_jacobians_from_tangents(tvi_curve *curve, const curve_tangent_block *block)
 {
     const tvi_form form = curve_system_form(curve);
     const int n = curve_dimension(curve);
-    if (curve_is_jacobian_in_tangent_block()) return;
     if (form == TVI_LAGRANGIAN)
-        curve_store_jacobian_columns(curve, block, CURVE_SIZE(CURVE_SLOT, curve->system->field_series->output_slot) + n,
-                                     0, curve->dU_dz);
+        curve_store_jacobian_columns(curve, block, curve->system->field_series->output_slot + n, 0, curve->dU_dz);
     if (form == TVI_HAMILTONIAN) curve_store_jacobian_columns(curve, block, NULL, n, curve->dU_dz);
     curve_store_jacobian_columns(curve, block, NULL, 0, curve->dQ_dz);
 }
 
 static inline const double *curve_coefficient_jacobians(const tvi_curve *curve, bool of_momentum)
 {
-    if (curve_is_jacobian_in_tangent_block())
-        return curve->tangent_block + (of_momentum ? 2 * curve_dimension(curve) * curve_dimension(curve) : 0);
     return of_momentum ? curve->dU_dz : curve->dQ_dz;
-}
-
-/* Returns the distance, in numbers, from the Jacobian of one order's coefficient to that of the next order's. */
-static inline size_t curve_get_jacobian_order_stride(const tvi_curve *curve)
-{
-    const size_t n = (size_t)curve_dimension(curve);
-    return 2 * n *
-           (curve_is_jacobian_in_tangent_block() ? tvi_curve_order_stride(curve)
-                                                 : n * (size_t)curve_member_count(curve));
 }
 
 static inline void curve_sum_combination_jacobian(const tvi_curve *curve,
                                                   const tvi_coefficient_combination *combination, double matrix[])
 {
-    CURVE_COMBINE_APART(
-        curve->system->field_series, curve_highest_order(curve) + 1, combination->order_weight, 1,
-        2 * curve_dimension(curve) * curve_coefficient_row_length(curve), curve_get_jacobian_order_stride(curve),
-        curve_coefficient_jacobians(curve, curve_sums_momentum_coefficients(curve, combination)), matrix);
+    CURVE_COMBINE(curve->system->field_series, curve_highest_order(curve) + 1, combination->order_weight, 1,
+                  2 * curve_dimension(curve) * curve_coefficient_row_length(curve),
+                  curve_coefficient_jacobians(curve, curve_sums_momentum_coefficients(curve, combination)), matrix);
 }
 
 #define CURVE_MULTIPLY_DIRECTION(V, S)                                                                                 \
@@ -148,20 +130,6 @@ static inline void curve_differentiate_sum_along_set_dz(const tvi_curve *curve,
         JET_BLOCKS(width, CURVE_MULTIPLY_DIRECTION, );
     }
 }
-
-/* Computes out = sum_k J_k^T seed[k] for a single member. J_k is the Jacobian matrix, by the centre state, of the
- * curve's coefficient of order k; it is read from the block of tangents. Each lane of V is a column of J_k. */
-#define CURVE_MULTIPLY_SEEDS(V, S)                                                                                     \
-    {                                                                                                                  \
-        V sum = {0}, odd = {0};                                                                                        \
-        for (int k = curve_highest_order(curve); k >= 0; k--)                                                          \
-            for (int i = 0; i < n; i++) {                                                                              \
-                const V term = seed[k * n + i] * JET_OF(V, J + (size_t)k * curve_get_jacobian_order_stride(curve), i); \
-                if (i % 2 == 0) sum += term;                                                                           \
-                else odd += term;                                                                                      \
-            }                                                                                                          \
-        JET_AT(V, out, 0) = sum + odd;                                                                                 \
-    }
 
 /* Computes out[d] = sum_r J[r][d] seed[r] for several members, which are the lanes of V. This is element d of the
  * product of the transposed Jacobian matrix and the seeds. A row r of the Jacobian belongs to one component of one
@@ -189,10 +157,8 @@ static inline void curve_multiply_transposed_coefficient_jacobians(const tvi_cur
                                                                    const double seed[], double out[])
 {
     const int n = curve_dimension(curve), directions = 2 * n, rows = (curve_highest_order(curve) + 1) * n;
-    const size_t stride = (size_t)directions;
     const double *J = curve_coefficient_jacobians(curve, of_momentum);
-    if (curve_is_jacobian_in_tangent_block()) JET_BLOCKS(directions, CURVE_MULTIPLY_SEEDS, );
-    else if (curve_member_count(curve) > 1)
+    if (curve_member_count(curve) > 1)
         curve_multiply_by_transpose_in_lanes(curve_member_count(curve), rows, directions, seed, J, out);
     else CURVE_COMBINE(curve->system->field_series, rows, seed, 1, directions, J, out);
 }

@@ -1,6 +1,5 @@
 /* taylor_sweep.h - rescales the coefficients of a Taylor curve to another unit of time and sums them, in one sweep over
- * the coefficients. step_size.h calls it for steps of adapted size. Generated code includes this text (emit.c) with
- * every size as a constant. */
+ * the coefficients. step_size.h calls it for steps of adapted size. */
 #ifndef TVI_SRC_GENERATING_TAYLOR_SWEEP_H
 #define TVI_SRC_GENERATING_TAYLOR_SWEEP_H
 

@@ -1,7 +1,7 @@
 /* closing.h - Declares two constants of each method with a Taylor curve: where the step's start and end lie in the
  * curve's scaled time s, and the factors with which the solution of the generating function's equations is added to the
  * curve's ends, so that the step is symplectic (docs/method.md, section 4). Descriptors of methods (descriptor.h)
- * contain both. The file is part of the text of generated code. */
+ * contain both. */
 #ifndef TVI_SRC_METHOD_CLOSING_H
 #define TVI_SRC_METHOD_CLOSING_H
 

@@ -34,11 +34,8 @@ typedef struct {
     /* Requests for the code of four tapes: the series of the field, its values, the gradient of r.H_p for a vector r
      * (Hamiltonian), and the second derivatives. */
     jet_emission_request series_tape_emission, value_tape_emission, r_dot_Hp_tape_emission, hessian_tape_emission;
-    /* The name of the pointer in tvi_generated_code_table (compiled/code.h) to the generated loops of the method. NULL:
-     * the method has no generated loops. */
-    const char *loops_pointer_name;
-    /* Writes the definition of the method's generated loops, which has the name tvi_loops, after the sweeps of the
-     * tapes. NULL: the method has no generated loops. */
+    /* Writes the definition of the generated steps of "galerkin", which has the name tvi_loops, after the sweeps of the
+     * tapes. NULL: the method has none. */
     void (*emit_loops)(jet_text *text, const tvi_system *system, const tvi_options *options);
 } tvi_tapes_of_steps;
 

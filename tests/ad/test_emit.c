@@ -1,6 +1,6 @@
-/* test_emit.c - Tests that generated code gives what the tape gives: every operation, every sweep, bit for bit where
- * nothing is fused; but adjoints of sums, which are added in another order. All functions are one shared library, made
- * once. */
+/* test_emit.c - Tests that generated code gives what the tape gives: every operation, values and series bit for bit
+ * where nothing is fused, and tangents and adjoints that the interpreter computes from this series. All functions are
+ * one shared library, made once. */
 #include "emit.h"
 #include "library.h"
 #include "record.h"
@@ -32,12 +32,8 @@ static void emit_function(jet_text *text, int i)
     snprintf(names[0], sizeof names[0], "S%d", i);
     snprintf(names[1], sizeof names[1], "V%d", i);
     const jet_emission_request of_values = {.name_prefix = names[1], .value_lane_counts = {LANES, 1}};
-    const jet_emission_request of_series = {.name_prefix = names[0],
-                                            .value_lane_counts = {1},
-                                            .tangent_direction_counts = {DIRECTIONS},
-                                            .top_order = DEGREE,
-                                            .needs_series_sweep = true,
-                                            .needs_adjoint_sweep = true};
+    const jet_emission_request of_series = {
+        .name_prefix = names[0], .value_lane_counts = {1}, .needs_series_sweep = true};
     jet_emit_tape(text, series.tape, &of_series);
     jet_emit_tape(text, values.tape, &of_values);
     recording_free(&series);
@@ -129,9 +125,7 @@ START_TEST(code_is_the_tape)
         if (!is_tested(i)) continue;
         run(f, NULL, &tape);
         run(f, &all()[i], &own);
-        ck_assert_msg(memcmp(&tape, &own, offsetof(results, adjoints)) == 0, "%s", f->name);
-        for (int k = 0; k < f->inputs; k++)
-            check_series(f->name, DEGREE, own.adjoints + k * SHORT, tape.adjoints + k * SHORT, 1e-14);
+        ck_assert_msg(memcmp(&tape, &own, sizeof own) == 0, "%s", f->name);
     }
 }
 END_TEST

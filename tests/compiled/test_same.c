@@ -22,8 +22,8 @@ static const whose kepler = {&scene_kepler, 0.1, false, NULL}, pendulum = {&scen
 
 /* The emitters choose by the form of the system, by the number of lanes (1, 2, 4, 8, 12 for the orders 2, 4, 6, 16, 20,
  * and 8 that are not all full for the order 10), by the number of unknowns, and by the operations. Each choice is made
- * by one of these, and each method has one. The library's own flags compile a separable system, a Lagrangian, a
- * Hamiltonian with a Taylor curve, and a rescaled system. */
+ * by one of these, and each method has one. The library's own flags compile a separable system, a Lagrangian, the
+ * series of a Hamiltonian, and a rescaled system. */
 static const struct {
     const whose *subject;
     const char *method;
@@ -47,13 +47,13 @@ static const struct {
     {&degenerate, "galerkin", 10, QUICK},
     {&kepler_rescaled, "galerkin", 16, USUAL},
     {&kepler_rescaled, "taylor", 8, QUICK},
-    {&nonseparable, "midpoint", 8, USUAL}, /* whole steps of a curve */
+    {&nonseparable, "midpoint", 8, USUAL}, /* the series of a curve */
     {&kepler, "midpoint", 8, WIDE},
     {&fpu, "midpoint", 8, QUICK},
     {&chain, "midpoint", 6, QUICK},
-    {&ring, "poincare", 4, WIDE}, /* products with Jacobians, and seeds */
+    {&ring, "poincare", 4, WIDE}, /* products with Jacobians */
     {&ring, "poincare", 4, QUICK},
-    {&ring, "svhd", 2, QUICK}, /* without seeds */
+    {&ring, "svhd", 2, QUICK},
     {&nonseparable, "tvi", 2, QUICK},
     {&fpu, "tvi", 2, QUICK},
     {&henon_heiles, "left", 4, QUICK},
@@ -62,7 +62,7 @@ static const struct {
     {&magnetic, "start", 4, QUICK},
     {&double_pendulum, "end", 4, QUICK},
     {&degenerate, "both-ends", 6, QUICK},
-    {&solar, "symmetric-tvi", 2, QUICK}, /* blocks of directions with a rest */
+    {&solar, "symmetric-tvi", 2, QUICK},
     {&pendulum, "stormer-verlet", 2, QUICK},
 };
 
