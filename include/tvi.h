@@ -221,10 +221,10 @@ typedef struct {
 /* Generates C, compiles it by the C compiler of the machine, without a shell, and loads it. This takes some seconds,
  * for any number of bodies (docs/compiled.md). The result is kept in the cache, under a hash of what was compiled and
  * how: the next time takes milliseconds, also in another process, and several processes may do so at once. The
- * directory must belong to the user alone. The options are those for tvi_integrator_create; their `compiled` is not
- * read. how NULL: all members NULL. *out is NULL on failure.
- *   TVI_ECOMPILE  no compiler, an error of it, or the result cannot be written or loaded; the directory is not the
- *                 user's own, or others may write to it
+ * directory is made with the mode 0700, or must be the user's own and have it. The options are those for
+ * tvi_integrator_create; their `compiled` is not read. how NULL: all members NULL. *out is NULL on failure.
+ *   TVI_ECOMPILE  no compiler, an error of it, or the result cannot be written or loaded; the directory is a link, is
+ *                 not the user's own, or has another mode than 0700
  *   TVI_ENOMEM    no memory
  *   others        as of tvi_options_check */
 TVI_NODISCARD tvi_status tvi_compile(tvi_compiled **out, const tvi_system *system, const tvi_options *options,

@@ -79,65 +79,38 @@ bool tvi_file_move(const char *from, const char *to) { return rename(from, to) =
 
 /* ---- Directories ------------------------------------------------------------------------------------------------- */
 
-typedef bool directory_fn(const char *path);
-
-/* Tells whether all parent directories of a path pass a check, from the top on. The path is modified meanwhile. */
-static bool do_all_parents_pass_check(char *path, directory_fn *check)
-{
-    for (char *at = path + 1; (at = strchr(at, '/')); at++) {
-        *at = 0;
-        const bool is_true = check(path);
-        *at = '/';
-        if (!is_true) return false;
-    }
-    return true;
-}
-
 static bool make_directory(const char *path)
 {
     return mkdir(path, 0700) == 0 || errno == EEXIST || access(path, X_OK) == 0;
 }
 
-/* Tells whether no other user can replace an entry of the directory. The owner of a directory can do this, and so
- * can everyone who may write to it, unless its sticky bit is set. The owner must therefore be the user or root. */
-static bool is_directory_safe_from_other_users(const char *path)
+/* Makes the directory and its missing parents. The path is modified meanwhile. */
+static bool make_directory_and_parents(char *path)
 {
-    struct stat s;
-    if (stat(path, &s) != 0 || (s.st_uid != geteuid() && s.st_uid != 0)) return false;
-    return !(s.st_mode & (S_IWGRP | S_IWOTH)) || (s.st_mode & S_ISVTX);
+    for (char *at = path + 1; (at = strchr(at, '/')); at++) {
+        *at = 0;
+        const bool is_there = make_directory(path);
+        *at = '/';
+        if (!is_there) return false;
+    }
+    return make_directory(path);
 }
 
-/* Tells whether no other user can replace an entry of a parent of the directory, after all links are resolved. */
-static bool are_parents_safe_from_other_users(const char *path)
-{
-    char *real = realpath(path, NULL);
-    const bool is_true = real && is_directory_safe_from_other_users("/") &&
-                         do_all_parents_pass_check(real, is_directory_safe_from_other_users);
-    free(real);
-    return is_true;
-}
-
-bool tvi_directory_create_protected(const char *path)
+bool tvi_directory_create_private(const char *path)
 {
     struct stat s;
-    const size_t byte_count = strlen(path) + 1;
-    char *copy = malloc(byte_count);
+    size_t length = strlen(path);
+    char *copy = malloc(length + 1);
     if (!copy) return false;
-    memcpy(copy, path, byte_count);
-    const bool is_made = do_all_parents_pass_check(copy, make_directory) && make_directory(copy);
+    memcpy(copy, path, length + 1);
+    while (length > 1 && copy[length - 1] == '/') copy[--length] = 0; /* Otherwise lstat would follow a link. */
+    const bool is_private = make_directory_and_parents(copy) && lstat(copy, &s) == 0 && S_ISDIR(s.st_mode) &&
+                            s.st_uid == geteuid() && (s.st_mode & 0777) == 0700;
     free(copy);
-    return is_made && are_parents_safe_from_other_users(path) && lstat(path, &s) == 0 && S_ISDIR(s.st_mode) &&
-           is_file_safe_from_other_users(&s);
+    return is_private;
 }
 
-bool tvi_directory_create_temporary(char *path)
-{
-    char *const name = strrchr(path, '/');
-    *name = 0;
-    const bool is_safe = are_parents_safe_from_other_users(path) && is_directory_safe_from_other_users(path);
-    *name = '/';
-    return is_safe && mkdtemp(path) != NULL;
-}
+bool tvi_directory_create_temporary(char *path) { return mkdtemp(path) != NULL; }
 
 void tvi_directory_remove(const char *path, const char *const files[])
 {

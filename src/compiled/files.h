@@ -16,11 +16,11 @@ char *tvi_file_read(const char *path, size_t *byte_count);
 /* Removes the access of all other users to the file, whatever the umask is. */
 bool tvi_file_restrict_to_user(const char *path);
 
-/* Creates the directory, and its parents if they are missing. Returns whether it belongs to the user, and no other
- * user can write to it or replace it. */
-bool tvi_directory_create_protected(const char *path);
-/* Creates a new directory for this process from a path that ends with /NAME-XXXXXX, which is replaced by a unique
- * name. Fails if another user could replace the directory. */
+/* Creates the directory with the mode 0700, and its parents if they are missing. Returns whether it is there, is no
+ * link, belongs to the user and has this mode. */
+bool tvi_directory_create_private(const char *path);
+/* Creates a new directory with the mode 0700 from a path that ends with /NAME-XXXXXX, which is replaced by a unique
+ * name. */
 bool tvi_directory_create_temporary(char *path);
 /* Removes the files at the paths of this list, which ends with NULL, and then the directory. */
 void tvi_directory_remove(const char *path, const char *const files[]);

@@ -272,8 +272,7 @@ static tvi_status compile_in_temporary_directory(tvi_compiled **out, const compi
     jet_text_append(&files.temporary_directory, "%s/make-XXXXXX", request->cache_or_temporary_directory.data);
     if (files.temporary_directory.is_incomplete) return TVI_ENOMEM;
     if (!tvi_directory_create_temporary(files.temporary_directory.data)) {
-        status = jet_refuse(TVI_ECOMPILE, "nothing can be written to %s, or others may exchange it",
-                            request->cache_or_temporary_directory.data);
+        status = jet_refuse(TVI_ECOMPILE, "nothing can be written to %s", request->cache_or_temporary_directory.data);
         free(files.temporary_directory.data);
         return status;
     }
@@ -295,9 +294,10 @@ static tvi_status load_from_cache_or_compile(tvi_compiled **out, const compilati
                                              const jet_text *text)
 {
     jet_text cached_path = {0};
-    if (request->uses_cache && !tvi_directory_create_protected(request->cache_or_temporary_directory.data))
+    if (request->uses_cache && !tvi_directory_create_private(request->cache_or_temporary_directory.data))
         return jet_refuse(TVI_ECOMPILE,
-                          "%s is not a directory of the user's own that no other may write to or exchange",
+                          "%s cannot be made, or is not a directory of your own with the mode 0700: run chmod 700, or "
+                          "name another cache",
                           request->cache_or_temporary_directory.data);
     jet_text_append(&cached_path, "%s/%016" PRIx64 "%016" PRIx64 ".so", request->cache_or_temporary_directory.data,
                     request->key.hash[0], request->key.hash[1]);

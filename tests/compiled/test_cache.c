@@ -212,35 +212,41 @@ START_TEST(a_directory_that_is_not_the_users_own_to_write_to_is_refused)
 }
 END_TEST
 
-/* The directory above: who owns it, root alone can choose. */
-static const struct {
-    mode_t mode;
-    uid_t owner; /* 0: whoever runs the test */
-    tvi_status status;
-} above[] = {
-    {0755, 0, TVI_OK},       {01777, 0, TVI_OK},      {01775, 0, TVI_OK},          {0777, 0, TVI_ECOMPILE},
-    {0775, 0, TVI_ECOMPILE}, {0757, 0, TVI_ECOMPILE}, {0755, 12345, TVI_ECOMPILE}, {01777, 12345, TVI_ECOMPILE},
+/* A directory that is there has to have the mode 0700, by whatever name; nothing is written to another one. */
+static const mode_t modes[] = {0700, 0500, 0600, 0710, 0701, 0750, 0755, 0770, 0777};
+enum {
+    PLAIN_NAME,
+    WITH_A_SLASH,
+    THROUGH_A_LINK,
+    A_LINK_WITH_A_SLASH,
+    FROM_WITHIN,
+    NAMES,
+    MODES = sizeof modes / sizeof *modes
 };
-/* A cache in it, or temporary files; by its own name, through a link, or from within. */
-enum { AS_CACHE, AS_TEMPORARY, THROUGH_A_LINK, FROM_WITHIN, USES, ABOVE = sizeof above / sizeof *above };
-START_TEST(what_others_may_exchange_is_refused)
+START_TEST(a_directory_that_is_there_is_private)
 {
-    const int use = _i % USES, row = _i / USES;
-    if (above[row].owner != 0 && geteuid() != 0) return;
+    const int name = _i % NAMES;
+    const mode_t mode = modes[_i / NAMES];
     const char *top = directory_make();
-    char directory[128], cache[160], link[128];
-    snprintf(directory, sizeof directory, "%s/above", top);
-    snprintf(cache, sizeof cache, "%s/cache", directory);
+    char above[128], cache[160], slash[170], link[128], link_to_it[128], link_slash[130];
+    snprintf(above, sizeof above, "%s/above", top);
+    snprintf(cache, sizeof cache, "%s/cache", above);
+    snprintf(slash, sizeof slash, "%s//", cache);
     snprintf(link, sizeof link, "%s/link", top);
-    ck_assert(mkdir(directory, 0700) == 0 && mkdir(cache, 0700) == 0 && symlink(directory, link) == 0);
-    if (above[row].owner != 0) ck_assert_int_eq(chown(directory, above[row].owner, 0), 0);
-    ck_assert_int_eq(chmod(directory, above[row].mode), 0);
-    if (use == FROM_WITHIN) ck_assert_int_eq(chdir(directory), 0);
-    setenv("TMPDIR", directory, 1);
-    const char *const caches[USES] = {cache, "", strcat(link, "/cache"), "cache"},
-                      *cc = use == FROM_WITHIN ? "cc" : AGAIN;
-    ck_assert_int_eq(try(&scene_kepler, &(tvi_compiler){cc, QUICK_FLAGS, caches[use]}), above[row].status);
-    ck_assert_int_eq(directory_count(directory, ""), 1);
+    snprintf(link_to_it, sizeof link_to_it, "%s/it", top);
+    snprintf(link_slash, sizeof link_slash, "%s/", link_to_it);
+    ck_assert(mkdir(above, 0777) == 0 && mkdir(cache, 0700) == 0);
+    ck_assert(symlink(above, link) == 0 && symlink(cache, link_to_it) == 0);
+    ck_assert_int_eq(chmod(cache, mode), 0);
+    if (name == FROM_WITHIN) ck_assert_int_eq(chdir(above), 0);
+    const char *const caches[NAMES] = {cache, slash, strcat(link, "/cache"), link_slash, "cache"},
+                      *cc = name == FROM_WITHIN ? "cc" : AGAIN;
+    const bool serves = mode == 0700 && name != A_LINK_WITH_A_SLASH;
+    ck_assert_int_eq(try(&scene_kepler, &(tvi_compiler){cc, QUICK_FLAGS, caches[name]}),
+                     serves ? TVI_OK : TVI_ECOMPILE);
+    if (!serves) ck_assert_ptr_nonnull(strstr(tvi_last_error(), "0700"));
+    ck_assert_int_eq(chmod(cache, 0700), 0);
+    ck_assert_int_eq(directory_count(cache, ""), serves ? 1 : 0);
     directory_remove(top);
 }
 END_TEST
@@ -389,7 +395,7 @@ Suite *suite_cache(void)
     tcase_add_test(tcase, files_are_the_programs_own);
     tcase_add_loop_test(tcase, umasks, 0, 3);
     tcase_add_loop_test(tcase, odd_names, 0, sizeof names / sizeof *names);
-    tcase_add_loop_test(tcase, what_others_may_exchange_is_refused, 0, ABOVE * USES);
+    tcase_add_loop_test(tcase, a_directory_that_is_there_is_private, 0, MODES * NAMES);
     tcase_add_test(tcase, the_cache_is_where_the_user_keeps_caches);
     tcase_add_loop_test(tcase, nothing_is_kept_without_a_cache, 0, sizeof unkept / sizeof *unkept);
     tcase_add_loop_test(tcase, a_directory_that_is_not_the_users_own_to_write_to_is_refused, 0, PLACES);
