@@ -180,7 +180,7 @@ EMBEDDED_GALERKIN := include/tvi.h src/algebra/sizes.h src/method/origin.h $(add
                      $(addprefix src/galerkin/,in_generated.h loops.h lanes.h kernel.h \
                          blocks.h lagrangian_passes.h hamiltonian_passes.h steps.h generated.h)
 # texts that others read
-EMBEDDED_TEXTS := src/algebra/judge.h $(addprefix src/galerkin/,kernel_nodes.h kernel_ends.h kernel_inner.h kernel_matrices.h kernel_loops.h)
+EMBEDDED_TEXTS := $(addprefix src/galerkin/,kernel_nodes.h kernel_ends.h kernel_inner.h kernel_matrices.h kernel_loops.h)
 $(BUILD)/src/embedded_galerkin.c: ad/embed.awk $(EMBEDDED_GALERKIN) $(EMBEDDED_TEXTS)
 	@mkdir -p $(@D)
 	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_galerkin -f ad/embed.awk $(EMBEDDED_GALERKIN) >$@

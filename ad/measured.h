@@ -36,14 +36,6 @@
 #define VERLET_BATCH_MAX_WIDTH 64 /* [members] The largest block for Stormer-Verlet. */
 /* [bytes] The largest block of the tape of Stormer-Verlet; a block of BATCH_MIN_WIDTH members may be larger. */
 #define VERLET_BATCH_MAX_BYTES (16 << 10)
-/* [lanes] A block of Galerkin curves has at most this many lanes, one for each node of each member. */
-#define GALERKIN_BATCH_MAX_LANES 256
-/* [bytes] The largest block of the tape of Galerkin curves with more than BATCH_MIN_WIDTH members. A part of a block of
- * this size is in the second-level cache. */
-#define GALERKIN_BATCH_MAX_BYTES (40 << 10)
-/* [bytes] The largest block of the tape of Galerkin curves with BATCH_MIN_WIDTH members. If whole steps are generated
- * code, GALERKIN_BATCH_MAX_BYTES is the limit of that block, too, since generated steps of one member are faster. */
-#define GALERKIN_BATCH_MAX_BYTES_AT_MIN_WIDTH (128 << 10)
 /* [bytes] The largest block of a series and its tangents along one direction, to stay in the first-level cache. */
 #define CURVE_BATCH_MAX_BYTES (32 << 10)
 /* [bytes] The largest block of a series and its tangents if it has only BATCH_MIN_WIDTH members. */

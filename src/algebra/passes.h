@@ -7,6 +7,7 @@
 #include "algebra/sizes.h"
 
 #include <float.h>
+#include <stdbool.h>
 
 /* The stall ratio of a rule whose passes are stuck only if the correction does not shrink at all. */
 #define TVI_STALL_WITHOUT_DECREASE (1 - DBL_EPSILON)
@@ -40,18 +41,68 @@ typedef enum {
     TVI_PASSES_STUCK    /* The passes are at roundoff, or they do not converge; the caller measures the roundoff. */
 } tvi_passes_verdict;
 
-/* Defines the structure tvi_convergence_test, which holds the sizes of the corrections so far, and the function
- * tvi_add_correction_and_check_convergence, which adds a pass to it. */
-#define JUDGED(name)       tvi_##name
-#define REAL               double
-#define TRUTH              int
-#define ABOVE(a, b)        ((a) > (b))
-#define AT_MOST(a, b)      ((a) <= (b))
-#define NOT(a)             (!(a))
-#define AND(a, b)          ((a) && (b))
-#define OR(a, b)           ((a) || (b))
-#define IF(which, yes, no) ((which) ? (yes) : (no))
-#include "algebra/judge.h"
+/* The sizes of the corrections so far. */
+typedef struct {
+    int count;
+    /* The sizes of the last three corrections. A pass moves each size to the next field. */
+    double size, previous_size, size_two_passes_before;
+    /* A correction above the roundoff level is significant. `ratio` is the ratio of the last significant correction
+     * to the one before it. `slowest_ratio` is the larger one of the last two such ratios; at first it is the ratio
+     * of an earlier iteration, or 0 if that is unknown. */
+    double ratio, slowest_ratio;
+    /* The size of the last correction; if roundoff hides it, an estimate of the size without roundoff. */
+    double size_without_roundoff;
+    double expected_next_size; /* The size that the next correction is expected to have. */
+    /* The factor by which `ratio` may grow from this pass to the next. expected_next_size contains this factor. It is
+     * more than 1 only for Newton's method (generating/newton.h). */
+    double contraction_ratio_growth;
+    double roundoff; /* Corrections up to this size are measured to be roundoff; 0: nothing was measured. */
+} tvi_convergence_test;
+
+/* Adds a pass whose correction has this size. Returns true if the pass may be the last one. *is_stalled tells whether
+ * the corrections no longer shrink, and counts only if the pass may not be the last one.
+ *
+ * The ratio of a correction is its size over that of the correction before it. If the correction before was larger than
+ * 1, the ratio is the size over 1, since such a correction shows the size of the unknowns rather than the convergence.
+ * Corrections at the roundoff level do not show how fast the passes converge. They are assumed to converge like the
+ * significant ones, and their growth does not make the passes stuck. After a single correction the rate is unknown. If
+ * three corrections at the roundoff level have the same size, the unknowns alternate between values that differ in
+ * their last bits, and the pass may be the last one. */
+static inline bool tvi_add_correction_and_check_convergence(tvi_convergence_test *test, const tvi_stopping_rule *rule,
+                                                            double correction_size, bool *is_stalled)
+{
+    const double before = test->size, earlier = test->previous_size;
+    const int count = ++test->count;
+    const bool is_significant = correction_size > rule->roundoff_level;
+    if (count > 1 && rule->exact_passes == 0) {
+        const double ratio = correction_size / tvi_smaller(before, 1),
+                     slower = rule->is_convergence_quadratic ? ratio * ratio : tvi_larger(ratio, test->ratio);
+        test->ratio = is_significant ? ratio : test->ratio;
+        test->slowest_ratio = is_significant ? slower : test->slowest_ratio;
+    }
+    const double slowest_ratio = test->slowest_ratio;
+    const bool is_ratio_trusted = slowest_ratio > 0 && rule->max_trusted_contraction_ratio > slowest_ratio;
+    const double expected_ratio = is_ratio_trusted ? slowest_ratio : 1,
+                 expected_size = expected_ratio * test->size_without_roundoff;
+    const double without_roundoff = is_significant ? correction_size : tvi_smaller(correction_size, expected_size),
+                 expected_next_size = test->contraction_ratio_growth * expected_ratio * without_roundoff;
+    test->size_two_passes_before = earlier;
+    test->previous_size = before;
+    test->size = correction_size;
+    test->size_without_roundoff = without_roundoff;
+    test->expected_next_size = count > 1 || !is_significant ? expected_next_size : correction_size;
+    *is_stalled = false;
+    if (rule->exact_passes > 0) return count == rule->exact_passes;
+    if (count > rule->stall_comparison_lag) {
+        const double least = rule->stall_contraction_ratio * before,
+                     least_of_two = rule->stall_contraction_ratio * rule->stall_contraction_ratio * earlier;
+        const bool grows = correction_size > (rule->stall_comparison_lag > 1 ? tvi_larger(least, least_of_two) : least);
+        *is_stalled = grows && (is_significant || !is_ratio_trusted);
+    }
+    const bool is_cycle = !is_significant && tvi_larger(before, earlier) <= correction_size &&
+                          correction_size <= tvi_smaller(before, earlier);
+    return test->expected_next_size <= rule->correction_goal || correction_size <= test->roundoff || is_cycle;
+}
 
 /* Begins an iteration. `earlier_slowest_contraction_ratio` is the slowest ratio of successive corrections in an earlier
  * iteration, or 0 if it is unknown. The fields are set one by one, since compilers would clear the structure by an
@@ -71,7 +122,7 @@ static inline void tvi_convergence_test_begin_iteration(tvi_convergence_test *te
 static inline tvi_passes_verdict tvi_convergence_test_add_pass(tvi_convergence_test *test,
                                                                const tvi_stopping_rule *rule, double correction_size)
 {
-    int is_stalled;
+    bool is_stalled;
     if (tvi_add_correction_and_check_convergence(test, rule, correction_size, &is_stalled)) return TVI_PASSES_MAY_END;
     return is_stalled ? TVI_PASSES_STUCK : TVI_PASSES_GO_ON;
 }

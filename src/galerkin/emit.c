@@ -42,7 +42,7 @@ void tvi_galerkin_emit_steps(jet_text *text, const galerkin_equations *equations
 {
     const galerkin_nodes *nodes = &equations->nodes;
     jet_text_append(text,
-                    "#define MEMBERS 0\n#define LANES %d\nenum { GALERKIN_LANES = LANES, GALERKIN_NODE_COUNT = %d, "
+                    "#define LANES %d\nenum { GALERKIN_LANES = LANES, GALERKIN_NODE_COUNT = %d, "
                     "GALERKIN_N = %d, GALERKIN_UNKNOWNS = %d, GALERKIN_MOVING_UNKNOWNS = %d, GALERKIN_SUBSYSTEMS = %d, "
                     "GALERKIN_TAIL_SUBSYSTEMS = %d, GALERKIN_IS_SEPARABLE = %d, "
                     "GALERKIN_READ_ONLY_ROWS = %d };\n#define GALERKIN_VALUES(x) tvi_values_values_%d(x)\n",

@@ -113,10 +113,8 @@ static inline tvi_status galerkin_evaluate_field(galerkin_equations *equations)
  * unknowns. */
 static inline double galerkin_move_unknowns_sum_squared_changes(const galerkin_equations *equations)
 {
-    double movement;
-    equations->kernels->move(&equations->nodes, equations->node_impulse_to_node_unknown_matrix, equations->nodes.values,
-                             equations->rate_row_of_unknown, &movement);
-    return movement;
+    return equations->kernels->move(&equations->nodes, equations->node_impulse_to_node_unknown_matrix,
+                                    equations->nodes.values, equations->rate_row_of_unknown);
 }
 
 /* Predicts the unknowns from the impulses of earlier steps. */

@@ -78,7 +78,6 @@ static void allocate_equations(galerkin_equations *equations, tvi_arena *arena, 
     nodes->unknown_count = system->input_count;
     nodes->lane_count = lanes_needed;
     nodes->node_count = node_count;
-    nodes->member_count = 1;
     nodes->coordinate_unknown_count = system->n;
     nodes->subsystems = system->subsystems;
     const int cyclic = count_trailing_cyclic_coordinates(system);
@@ -372,11 +371,9 @@ static void emit_generated_steps(jet_text *text, const tvi_system *system, const
 
 static tvi_tapes_of_steps list_used_tapes(const tvi_system *system, const tvi_options *options)
 {
-    const int lanes = choose_lane_count(options->degree), width = tvi_galerkin_batch.width(system, options);
-    const int of_batch = width > 1 ? width * options->degree : 0;
-    tvi_tapes_of_steps used = {
-        .value_tape_emission = {.name_prefix = "tvi_values", .value_lane_counts = {lanes, of_batch}},
-        .emit_loops = emit_generated_steps};
+    const int lanes = choose_lane_count(options->degree);
+    tvi_tapes_of_steps used = {.value_tape_emission = {.name_prefix = "tvi_values", .value_lane_counts = {lanes}},
+                               .emit_loops = emit_generated_steps};
     if (system->hessian_values)
         used.hessian_tape_emission = (jet_emission_request){.name_prefix = "tvi_hessian", .value_lane_counts = {lanes}};
     return used;
@@ -395,5 +392,4 @@ const tvi_stepper tvi_stepper_galerkin = {.allocate = allocate_stepper,
                                           .sample = tvi_galerkin_compute_curve_samples,
                                           .is_superconvergent = true,
                                           .is_history_valid = is_history_valid,
-                                          .list_tapes = list_used_tapes,
-                                          .batch = &tvi_galerkin_batch};
+                                          .list_tapes = list_used_tapes};

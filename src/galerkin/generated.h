@@ -12,7 +12,6 @@ JET_INLINE galerkin_nodes galerkin_copy_nodes_with_constant_sizes(const galerkin
     galerkin_nodes sized = *nodes;
     sized.lane_count = GALERKIN_LANES;
     sized.node_count = GALERKIN_NODE_COUNT;
-    sized.member_count = 1;
     sized.unknown_count = GALERKIN_UNKNOWNS;
     sized.coordinate_unknown_count = GALERKIN_N;
     sized.moving_unknown_count = GALERKIN_MOVING_UNKNOWNS;

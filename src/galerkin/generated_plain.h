@@ -35,9 +35,8 @@ JET_INLINE bool galerkin_sweep_force_tape(const galerkin_nodes *nodes)
 {
     bool is_inside = true;
     if (!tvi_values_is_split) {
-        const galerkin_array_shape shape = {GALERKIN_NODE_COUNT, GALERKIN_LANES, 1};
         is_inside = GALERKIN_VALUES(nodes->values);
-        NAME(set_impulses)(nodes, nodes->values, galerkin_rate_row_of_unknown, shape, 0);
+        NAME(set_impulses)(nodes, nodes->values, galerkin_rate_row_of_unknown);
     }
     for (int first = 0; tvi_values_is_split && first < GALERKIN_LANES; first += GALERKIN_NODES_PER_REGISTER) {
         _Alignas(64) double block[tvi_values_slots * GALERKIN_NODES_PER_REGISTER];
@@ -54,10 +53,9 @@ JET_INLINE tvi_status galerkin_make_fixed_point_pass(void *work, const galerkin_
                                                      double *roundoff)
 {
     const galerkin_step_inputs *step_inputs = work;
-    const galerkin_array_shape shape = {GALERKIN_NODE_COUNT, GALERKIN_LANES, 1};
     if (roundoff) return TVI_ENOCONV;
     if (!galerkin_sweep_force_tape(nodes)) return TVI_EDOMAIN;
-    *movement = NAME(move_unknowns)(nodes, step_inputs->node_impulse_to_node_unknown_matrix, NULL, shape, 0);
+    *movement = NAME(move_unknowns)(nodes, step_inputs->node_impulse_to_node_unknown_matrix, NULL);
     return TVI_OK;
 }
 

@@ -46,11 +46,10 @@ static inline void hamiltonian_predict_unknowns(void *work, const galerkin_nodes
 {
     hamiltonian_pass_context *context = work;
     (void)nodes;
-    double moved;
     const galerkin_nodes all = galerkin_copy_nodes_with_all_unknowns_moving(context->nodes);
     GALERKIN_KERNEL(context->kernels, predict, &context->nodes_with_rates_as_unknowns, extrapolation);
-    GALERKIN_KERNEL(context->kernels, move, &all, context->node_impulse_to_node_unknown_matrix, context->nodes->values,
-                    context->rate_row_of_unknown, &moved);
+    (void)GALERKIN_KERNEL(context->kernels, move, &all, context->node_impulse_to_node_unknown_matrix,
+                          context->nodes->values, context->rate_row_of_unknown);
     context->last_pass_movement_square = INFINITY;
 }
 

@@ -6,7 +6,7 @@
 
 #include "fused.h"
 
-/* Computes a b + c with the same rounding in vectors of members and in vectors of nodes. */
+/* Computes a b + c. */
 #define FUSED(V, a, b, c) JET_FUSED(V, a, b, c)
 
 /* Kernels are functions of their own, so that the loops of each kernel can use all registers. */

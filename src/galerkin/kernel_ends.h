@@ -3,8 +3,7 @@
 
 /* ---- The sums of the impulses at the end of a step --------------------------------------------------------------- */
 
-/* A column is a vector of members for one unknown, or of unknowns for one member. The sums over nodes are
- * compensated: the rounding errors of the additions are summed separately, and the low-order part of the result is
+/* A column is a vector of unknowns at one node. The sums over nodes are compensated: the rounding errors of the additions are summed separately, and the low-order part of the result is
  * the rounding error of adding the two sums. Odd and even nodes have separate partial sums, which the processor
  * computes in parallel. */
 typedef struct {
@@ -29,21 +28,17 @@ JET_INLINE void NAME(join_compensated_sums)(NAME(compensated_sums) *sums, double
 
 /* NAME(rows) is the number of unknowns in a column. NAME(set_rows) sets row[k] to the impulses of unknown u + k, or of
  * the last unknown if there are fewer. */
-enum { NAME(rows) = MEMBERS ? 1 : NUMBERS_OF(COLUMN) };
-JET_INLINE void NAME(set_rows)(const galerkin_nodes *nodes, int u, const double *row[], galerkin_array_shape shape,
-                               size_t here)
+enum { NAME(rows) = NUMBERS_OF(COLUMN) };
+JET_INLINE void NAME(set_rows)(const galerkin_nodes *nodes, int u, const double *row[])
 {
     for (int k = 0; k < NAME(rows); k++)
         row[k] = ROW(nodes->impulses, u + k < nodes->unknown_count ? u + k : nodes->unknown_count - 1);
 }
 
 /* Returns the impulses of node j in the rows row[0], row[1], .. as a vector. */
-JET_INLINE COLUMN NAME(column)(const double *const row[], int j, galerkin_array_shape shape)
+JET_INLINE COLUMN NAME(column)(const double *const row[], int j)
 {
-    (void)shape;
-#if MEMBERS
-    return NUMBER(row[0], j);
-#elif defined(__AVX__)
+#if defined(__AVX__)
     return (COLUMN){row[0][j], row[1][j], row[2][j], row[3][j]};
 #else
     return (COLUMN){row[0][j], row[1][j]};
@@ -52,27 +47,25 @@ JET_INLINE COLUMN NAME(column)(const double *const row[], int j, galerkin_array_
 
 JET_INLINE void NAME(sum_all_impulses)(const galerkin_nodes *nodes,
                                        const galerkin_double_integral_and_tail_weights *weights,
-                                       const galerkin_impulse_sums *sums, galerkin_array_shape shape, size_t here)
+                                       const galerkin_impulse_sums *sums)
 {
-    const int count = MEMBERS ? shape.node_count : shape.lane_count;
     for (int u = 0; u < nodes->unknown_count; u += NAME(rows)) {
-        const size_t at = (size_t)u * (size_t)shape.member_count + here;
         const COLUMN none = {0};
         const double *row[NAME(rows)];
         NAME(compensated_sums) once = {{none, none}, {none, none}}, twice = once;
         COLUMN last = none;
-        NAME(set_rows)(nodes, u, row, shape, here);
-        for (int j = 0; j < count; j++) {
-            const COLUMN impulse = NAME(column)(row, j, shape);
+        NAME(set_rows)(nodes, u, row);
+        for (int j = 0; j < LANES; j++) {
+            const COLUMN impulse = NAME(column)(row, j);
             NAME(add_compensated)(&once.total[j % 2], &once.loss[j % 2], 1, &impulse);
             NAME(add_compensated)(&twice.total[j % 2], &twice.loss[j % 2], weights->one_minus_abscissa[j], &impulse);
             last = FUSED(COLUMN, weights->last_term_weight[j] - none, impulse, last);
         }
-        const COLUMN first = NAME(column)(row, 0, shape);
-        const COLUMN final = NAME(column)(row, shape.node_count - 1, shape);
-        NAME(join_compensated_sums)(&once, sums->rate_integral + at, sums->rate_integral_low + at);
-        NAME(join_compensated_sums)(&twice, sums->rate_double_integral + at, sums->rate_double_integral_low + at);
-        *(COLUMN *)(sums->last_term + at) = JET_ABS(COLUMN, last);
-        *(COLUMN *)(sums->end_impulse_size + at) = JET_ABS(COLUMN, first) + JET_ABS(COLUMN, final);
+        const COLUMN first = NAME(column)(row, 0);
+        const COLUMN final = NAME(column)(row, NODE_COUNT_OF(nodes) - 1);
+        NAME(join_compensated_sums)(&once, sums->rate_integral + u, sums->rate_integral_low + u);
+        NAME(join_compensated_sums)(&twice, sums->rate_double_integral + u, sums->rate_double_integral_low + u);
+        *(COLUMN *)(sums->last_term + u) = JET_ABS(COLUMN, last);
+        *(COLUMN *)(sums->end_impulse_size + u) = JET_ABS(COLUMN, first) + JET_ABS(COLUMN, final);
     }
 }

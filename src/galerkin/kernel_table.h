@@ -8,10 +8,7 @@ static const galerkin_kernels NAME(kernels) = {
     .sum_impulses = NAME(sum_impulses),
     .compute_drifting_increments = NAME(compute_drifting_increments),
     .compute_increments = NAME(compute_increments),
-    .compute_tails = NAME(compute_tails),
-#if MEMBERS
-    .judge_passes = NAME(judge_passes),
-#else
+    .compute_tail = NAME(compute_tail),
     .move_in_parts = NAME(move_in_parts),
     .move_with_changes = NAME(move_with_changes),
     .run_inner_iterations = NAME(run_inner_iterations),
@@ -19,5 +16,4 @@ static const galerkin_kernels NAME(kernels) = {
     .invert = NAME(invert),
     .correct_velocities = NAME(correct_velocities),
     .linearise = NAME(linearise),
-#endif
 };

@@ -86,10 +86,8 @@ static inline double lagrangian_move_momenta(const lagrangian_pass_context *cont
 {
     const int n = context->nodes->unknown_count / 2;
     const galerkin_nodes momenta = lagrangian_select_half_of_unknowns(context->nodes, n);
-    double moved;
-    GALERKIN_KERNEL(context->kernels, move, &momenta, context->node_impulse_to_node_unknown_matrix,
-                    context->nodes->values, context->rate_row_of_unknown + n, &moved);
-    return moved;
+    return GALERKIN_KERNEL(context->kernels, move, &momenta, context->node_impulse_to_node_unknown_matrix,
+                           context->nodes->values, context->rate_row_of_unknown + n);
 }
 
 static inline double lagrangian_move_coordinates(const lagrangian_pass_context *context)

@@ -1,6 +1,6 @@
-/* lanes.h - Defines what the loops over lanes in the kernels of a Galerkin step share (loops.h). In the step of a
- * single integrator a lane is a node of the quadrature. The macro ALL_LANES divides a constant number of lanes into the
- * widest vectors that fit. For a single integrator with any number of lanes, two functions follow. One sets the
+/* lanes.h - Defines what the loops over lanes in the kernels of a Galerkin step share (loops.h). A lane is
+ * a node of the quadrature. The macro ALL_LANES divides a constant number of lanes into the
+ * widest vectors that fit. For any number of lanes, two functions follow. One sets the
  * impulses, which are step size times quadrature weight times rate for each node; the other evaluates the curve of the
  * step at given points. The last section defines the types and the unit in which the inner iterations of a pass
  * (kernel_inner.h) store changes of the unknowns in single precision. Files that are compiled once for each instruction
@@ -47,7 +47,7 @@ JET_INLINE double add_lanes_of_jet_v8(jet_v8 vector)
 #define BLOCK_AT(V, array, k) (*(V *)((array) + (size_t)(k) * (sizeof(V) / sizeof(double))))
 #define BLOCK_OF(V, array, k) (*(const V *)((array) + (size_t)(k) * (sizeof(V) / sizeof(double))))
 
-/* ---- Impulses and curves of a single member ---------------------------------------------------------------------- */
+/* ---- Impulses and curves ----------------------------------------------------------------------------------------- */
 
 /* Returns a b + c, rounded once if c is small compared with a b. Without a fused operation it uses Dekker's product. */
 JET_INLINE double multiply_add_rounded_once(double a, double b, double c)

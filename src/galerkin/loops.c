@@ -1,13 +1,11 @@
-/* loops.c - Compiles the loops of loops.h from kernel.h, once for each number of lanes of a single member, and once
- * for several members. */
+/* loops.c - Compiles the loops of loops.h from kernel.h, once for each number of lanes. */
 #include "algebra/sizes.h"
 #include "algebra/tail.h"
 #include "galerkin/lanes.h"
 
 #include <math.h>
 
-#define MEMBERS 0
-#define LANES   1
+#define LANES 1
 #include "galerkin/kernel.h"
 #include "galerkin/kernel_table.h"
 #undef LANES
@@ -27,12 +25,6 @@
 #include "galerkin/kernel.h"
 #include "galerkin/kernel_table.h"
 #undef LANES
-#undef MEMBERS
-#define MEMBERS 1
-#define LANES   TVI_GALERKIN_MAX_LANES
-#include "galerkin/kernel.h"
-#include "galerkin/kernel_table.h"
 
 const galerkin_kernels *const JET_FOR_ISA(tvi_galerkin_kernels)[GALERKIN_KERNEL_TABLE_COUNT] = {
     &kernels_1, &kernels_2, &kernels_4, &kernels_8, &kernels_12};
-const galerkin_kernels *const JET_FOR_ISA(tvi_galerkin_batch_kernels) = &kernels_members;

@@ -17,13 +17,6 @@ enum { TVI_GALERKIN_MAX_LANES = 12, GALERKIN_KERNEL_TABLE_COUNT = 5 };
 /* The number of steps whose impulses are stored: the last two steps and the current step. */
 enum { GALERKIN_RING_LENGTH = 3 };
 
-/* The shape of arrays of unknowns. For one member, unknown u of node i is x[u][i]; lanes after the last node repeat
- * that node with weight 0. For several members, unknown u of node i of member m is x[u][i][m]. */
-typedef struct {
-    /* lane_count is the length of a row of the coefficient tables. */
-    int node_count, lane_count, member_count;
-} galerkin_array_shape;
-
 /* Measures of how the passes of a step converged, from which the convergence of the next step is estimated. The
  * movement of a pass is the sum of the squares of the changes of the unknowns, relative to their sizes (kernel `move`).
  * A measure is 0 if it is unknown. */
@@ -34,32 +27,13 @@ typedef struct {
     double first_movement_square;
 } galerkin_convergence;
 
-/* The state of the iteration that solves the equations of a step, for each member of a batch. galerkin_member_iteration
- * of steps.h is the state for a single member. */
-typedef struct {
-    /* the movement of the last pass: the sum of the squares of the relative changes of the unknowns */
-    double movement_square[BATCH_MAX_WIDTH];
-    /* The fields of tvi_convergence_test (algebra/passes.h) of each member. `last_judged_movement_square` is the
-     * movement of the last pass that was judged, contraction_ratio its ratio to previous_judged_movement_square. */
-    double last_judged_movement_square[BATCH_MAX_WIDTH], previous_judged_movement_square[BATCH_MAX_WIDTH],
-        contraction_ratio[BATCH_MAX_WIDTH];
-    double largest_contraction_ratio[BATCH_MAX_WIDTH], movement_square_without_roundoff[BATCH_MAX_WIDTH];
-    double first_movement_square[BATCH_MAX_WIDTH]; /* the movement of the first pass */
-    /* the number of passes that were made, in the number type of the other vectors */
-    double pass_count_as_double[BATCH_MAX_WIDTH];
-    /* All bits of converged_mask are set if the member has converged, and all bits of moving_mask if it still makes
-     * passes. */
-    long long converged_mask[BATCH_MAX_WIDTH], moving_mask[BATCH_MAX_WIDTH];
-} galerkin_batch_iteration;
-
 /* The impulses of earlier steps, and the tables of factors that predict the unknowns of a step from them. Usually both
  * of the last two steps are used, with two_step_extrapolation [2][j][i], whose second half belongs to the earlier step.
- * Members that last_step_only_mask selects use the last step alone, with last_step_extrapolation [j][i]. */
+ * With uses_last_step_only it is the last step alone, with last_step_extrapolation [j][i]. */
 typedef struct {
     const double *two_step_extrapolation, *last_step_extrapolation, *last_impulses, *impulses_before;
-    /* [member_count] All bits of the mask are set if the member uses the last step alone: no earlier step has the
-     * same size, or the prediction of the last step was rough. */
-    const long long *last_step_only_mask;
+    /* true if no earlier step has the same size, or the prediction of the last step was rough */
+    bool uses_last_step_only;
 } galerkin_extrapolation;
 
 /* The weights of the impulses in the sums over the nodes of a step (galerkin_impulse_sums), [lanes] each:
@@ -69,7 +43,7 @@ typedef struct {
     double *one_minus_abscissa, *last_term_weight;
 } galerkin_double_integral_and_tail_weights;
 
-/* The sums of a step's impulses over its nodes, [unknowns][member_count] each. The impulse of node j is L_j = h b_j
+/* The sums of a step's impulses over its nodes, [unknowns] each. The impulse of node j is L_j = h b_j
  * F_j, with the step size h, the quadrature weight b_j and the rate F_j of the unknown. Each array has room for seven
  * more numbers, so that a vector can be stored at the last element. rate_integral = sum_j L_j is the quadrature of the
  * rate over the step; rate_double_integral = sum_j (1 - c_j) L_j, with the abscissa c_j of the node, is that of its
@@ -94,9 +68,9 @@ typedef struct {
     /* [n] The factors by which the sums of impulses are multiplied in the equations of the unknowns (galerkin_nodes),
      * and the reciprocals of their magnitudes. */
     double *unknown_change_per_impulse, *inverse_unknown_change_per_impulse;
-    /* [n][member_count] q and p at the start of the step, and the increment of p. */
+    /* [n] q and p at the start of the step, and the increment of p. */
     const double *start_q, *start_p, *momentum_increment;
-    /* [n][member_count] Scratch space: the share of each component in the motion of its subsystem
+    /* [n] Scratch space: the share of each component in the motion of its subsystem
      * (tvi_component_share_of_step_motion), and the ratio of its last term to its momentum or movement
      * (tvi_largest_relative_last_series_term). */
     double *component_share_of_subsystem_motion, *component_tail_ratio;
@@ -142,30 +116,27 @@ static inline double galerkin_compute_coordinate_increment(double drift, double 
 
 /* The unknowns of a step at its nodes. The rate F_j of an unknown at node j changes the unknowns only through the
  * impulse L_j = impulse_weight_j F_j. Each impulse is rounded once, and all sums use the rounded number, so that
- * conservation laws of these sums do not depend on the rounding. Unless noted otherwise, arrays have the shape of
- * galerkin_array_shape. */
+ * conservation laws of these sums do not depend on the rounding. Unless noted otherwise, arrays are [unknowns][lanes]:
+ * lanes after the last node repeat that node with weight 0. */
 typedef struct {
     int lane_count, unknown_count;
     /* If moving_unknown_count = unknowns, a pass moves all of them. Otherwise the unknowns are coordinate_unknown_count
      * coordinates followed by as many momenta, and a pass moves only the first moving_unknown_count coordinates and the
      * first moving_unknown_count momenta. */
     int coordinate_unknown_count, moving_unknown_count;
-    int node_count, member_count;
+    int node_count;
     double *values;
-    double *start_values; /* [unknowns][member_count] the unknowns at the start of the step */
+    double *start_values; /* [unknowns] the unknowns at the start of the step */
     /* The values that the unknowns would have without impulses, and their low-order parts. */
     double *drift_values, *drift_values_low;
     double *impulse_weight;             /* [lanes] the step times the quadrature weight, h b_j */
     double *impulses;                   /* the impulses L_j of the last movement, stored in the history */
     double *unknown_change_per_impulse; /* [unknowns] the factor of the impulses' sum in the change of an unknown */
-    /* [unknowns][member_count] The reciprocal of each unknown's size, by which movements are measured. */
+    /* [unknowns] The reciprocal of each unknown's size, by which movements are measured. */
     double *inverse_unknown_size;
     /* [n] The momentum whose drift moves the coordinate by 1 in this step, or infinity if the mass is not known. */
     double *momentum_that_moves_coordinate_by_1_in_step;
     tvi_subsystems subsystems;
-    /* [member_count] All bits of the mask are set if the member still makes passes. The impulses of all other
-     * members stay unchanged. */
-    const long long *moving_mask;
 } galerkin_nodes;
 
 /* Returns a copy of the nodes in which passes move all unknowns. */
@@ -245,7 +216,7 @@ static inline int lanes_count_rows_summed_in_parallel(const lanes_inner_iteratio
                                                                        : LANES_ROWS_PER_GROUP;
 }
 
-/* The kernels of a step, for one member or for several; kernel.h defines them. */
+/* The kernels of a step; kernel.h defines them. */
 typedef struct galerkin_kernels {
     /* `set_constant_drift_values` sets drift_values to the state at the start of the step, for equations of first
      * order. `set_linear_drift_values` is for a separable system, whose positions drift with the momentum: it sets
@@ -257,10 +228,9 @@ typedef struct galerkin_kernels {
     void (*predict)(const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation);
     void (*set_sizes)(const galerkin_nodes *nodes, int n);
     /* Sets the impulses L_j from the rates, and moves the unknowns x to drift_values + (drift_values_low +
-     * unknown_change_per_impulse sum_j matrix_ji L_j), with the impulse matrix. movement [member_count] is the sum of
-     * the squares of (change of x) inverse_unknown_size; it is a NaN if any change is a NaN. */
-    void (*move)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
-                 double movement[]);
+     * unknown_change_per_impulse sum_j matrix_ji L_j), with the impulse matrix. Returns the movement, the
+     * sum of the squares of (change of x) inverse_unknown_size; it is a NaN if any change is a NaN. */
+    double (*move)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[]);
     /* Computes the sums of the impulses of the last movement, from which the increments and the tail of the step
      * follow. */
     void (*sum_impulses)(const galerkin_nodes *nodes, const galerkin_double_integral_and_tail_weights *weights,
@@ -272,15 +242,9 @@ typedef struct galerkin_kernels {
                                         const double *drift, const double *drift_low, const tvi_increments *increments);
     void (*compute_increments)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, int n,
                                const tvi_increments *increments);
-    /* Computes the tail of each member, [member_count]. */
-    void (*compute_tails)(const galerkin_tail_inputs *inputs, int member_count, double tail[]);
+    double (*compute_tail)(const galerkin_tail_inputs *inputs);
 
-    /* This kernel is for several members only. It decides, as tvi_convergence_test_add_pass does for one member,
-     * which members have converged in pass number `count`, and updates their masks. Returns the number of members that
-     * still make passes. */
-    int (*judge_passes)(galerkin_batch_iteration *iteration, const tvi_stopping_rule *rule, int width, int count);
-
-    /* The following kernels are for one member only. `move_in_parts` does what `move` does, and also sets
+    /* `move_in_parts` does what `move` does, and also sets
      * displacements [unknowns][lanes]: the moved values are drift_values + displacements, rounded. */
     double (*move_in_parts)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
                             double *displacements);
@@ -315,12 +279,9 @@ typedef struct galerkin_kernels {
     void (*linearise)(const lanes_linearised_gradient *expansion, double *out);
 } galerkin_kernels;
 
-/* The kernels for one member, one table for each number of lanes, and the kernels for several members, for each
- * instruction set. */
+/* The kernels, one table for each number of lanes, for each instruction set. */
 extern const galerkin_kernels *const tvi_galerkin_kernels_base[GALERKIN_KERNEL_TABLE_COUNT],
     *const tvi_galerkin_kernels_avx2[GALERKIN_KERNEL_TABLE_COUNT],
         *const tvi_galerkin_kernels_avx512[GALERKIN_KERNEL_TABLE_COUNT];
-extern const galerkin_kernels *const tvi_galerkin_batch_kernels_base, *const tvi_galerkin_batch_kernels_avx2,
-                                                                          *const tvi_galerkin_batch_kernels_avx512;
 
 #endif

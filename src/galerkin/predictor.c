@@ -150,14 +150,12 @@ void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const ga
                                                 predictor->zeros,
                                                 predictor->zeros,
                                                 predictor->ones};
-    const long long last_alone = -1;
     set_resized_step_extrapolation(predictor, coefficients, polynomials, equations->kernels,
                                    equations->step_size / predictor->history->last_step_size, elapsed_fraction);
     equations->kernels->evaluate(&to, predictor->resized_step_extrapolation,
                                  galerkin_find_impulses_of_step(predictor, 0), predictor->extrapolated_rates);
-    galerkin_predict_unknowns(equations,
-                              &(galerkin_extrapolation){equations->impulse_to_predicted_unknown_or_rate_matrix,
-                                                        equations->impulse_to_predicted_unknown_or_rate_matrix,
-                                                        predictor->extrapolated_rates, predictor->extrapolated_rates,
-                                                        &last_alone});
+    galerkin_predict_unknowns(
+        equations, &(galerkin_extrapolation){equations->impulse_to_predicted_unknown_or_rate_matrix,
+                                             equations->impulse_to_predicted_unknown_or_rate_matrix,
+                                             predictor->extrapolated_rates, predictor->extrapolated_rates, true});
 }

@@ -1,6 +1,5 @@
-/* step.h - Declares the stepper of the Galerkin curve for one member (galerkin.c), and the functions that predict its
- * unknowns (predictor.c), measure roundoff (probe.c) and evaluate its curve (places.c). The stepper of several members
- * (batch.c) contains it. */
+/* step.h - Declares the stepper of the Galerkin curve (galerkin.c), and the functions that predict its unknowns
+ * (predictor.c), measure roundoff (probe.c) and evaluate its curve (places.c). */
 #ifndef TVI_SRC_GALERKIN_STEP_H
 #define TVI_SRC_GALERKIN_STEP_H
 

@@ -1,6 +1,5 @@
 /* steps.h - Makes the steps of the Galerkin curve (docs/method.md section 5). The library compiles this code for any
- * system and calls kernels through tables: galerkin.c makes steps of one member, batch.c makes a step of several
- * members. Generated code compiles it for one system, whose sizes are constants (generated_*.h). */
+ * system and calls kernels through tables: galerkin.c does. Generated code compiles it for one system, whose sizes are constants (generated_*.h). */
 #ifndef TVI_SRC_GALERKIN_STEPS_H
 #define TVI_SRC_GALERKIN_STEPS_H
 
@@ -23,7 +22,7 @@ typedef struct galerkin_step_inputs {
     /* The limit of the movement of the first pass of a step. If the movement is larger, the next step is predicted from
      * the last step alone. */
     double two_step_prediction_max_first_movement;
-    /* [unknowns][member_count] h M^-1 p0 of a separable system, and its low-order part. */
+    /* [unknowns] h M^-1 p0 of a separable system, and its low-order part. */
     double *coordinate_drift_over_step, *coordinate_drift_over_step_low;
     /* [GALERKIN_RING_LENGTH] The impulses of the last steps, stored in the history. */
     double *const *impulse_ring;
@@ -34,17 +33,17 @@ typedef struct galerkin_step_inputs {
 /* The functions that make the passes of a step and predict its unknowns. The library and generated code supply
  * different ones. */
 typedef struct {
-    /* Makes the next pass from the current unknowns. `movement` [member_count] is measured as by the kernel `move`.
+    /* Makes the next pass from the current unknowns. `movement` is measured as by the kernel `move`.
      * If passes no longer shrink, the caller passes a roundoff that is not NULL: the function then also measures how
      * far the roundoff of a pass moves the unknowns, if it can. */
-    tvi_status (*make_pass)(void *work, const galerkin_nodes *nodes, double movement[], double *roundoff);
+    tvi_status (*make_pass)(void *work, const galerkin_nodes *nodes, double *movement, double *roundoff);
     void (*predict)(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation);
     /* This function is called after each completed step of a run. NULL: no function is called. */
     void (*after_step)(void *work);
     void *work;
 } galerkin_pass_functions;
 
-/* The state of the iteration that solves the equations of one member's step. */
+/* The state of the iteration that solves the equations of a step. */
 typedef struct {
     tvi_status status; /* TVI_OK, or TVI_ENOCONV if the passes are stuck or too many */
     int pass_count;
@@ -52,7 +51,7 @@ typedef struct {
     /* The convergence of an earlier step of the same size when the iteration begins, and of this step when the
      * iteration has ended. */
     galerkin_convergence convergence;
-} galerkin_member_iteration;
+} galerkin_iteration;
 
 /* The results of several steps in a row, apart from the increments of the state. */
 typedef struct galerkin_steps_outcome {
@@ -78,7 +77,7 @@ typedef struct galerkin_steps_outcome {
     double largest_tail; /* the largest tail of these steps and of all earlier ones */
 } galerkin_steps_outcome;
 
-/* ---- The parts of a step, of one member or several --------------------------------------------------------------- */
+/* ---- The parts of a step ----------------------------------------------------------------------------------------- */
 
 JET_INLINE void galerkin_set_drift_values(const galerkin_step_inputs *step_inputs, const galerkin_nodes *nodes,
                                           const tvi_step_origin *origin)
@@ -96,25 +95,20 @@ JET_INLINE double *galerkin_find_impulses_in_ring(const galerkin_step_inputs *st
                                                                          : ring_index - GALERKIN_RING_LENGTH];
 }
 
-/* Returns a mask with all bits set if the next step of a member is to be predicted from its last step alone: only one
- * earlier step has the same size, or the first movement of the last step exceeded
- * two_step_prediction_max_first_movement. Otherwise returns 0. */
-JET_INLINE long long galerkin_make_last_step_only_mask(const galerkin_step_inputs *step_inputs, int equal_step_count,
-                                                       double first_movement_square)
-{
-    return equal_step_count < 2 || first_movement_square > step_inputs->two_step_prediction_max_first_movement ? -1 : 0;
-}
-
+/* The next step is predicted from the last step alone if only one earlier step has the same size, or the first movement
+ * of the last step exceeded two_step_prediction_max_first_movement. */
 JET_INLINE galerkin_extrapolation galerkin_select_extrapolation(const galerkin_step_inputs *step_inputs, int ring_index,
-                                                                const long long *last_step_only_mask)
+                                                                int equal_step_count, double first_movement_square)
 {
     return (galerkin_extrapolation){step_inputs->two_step_extrapolation, step_inputs->last_step_extrapolation,
                                     galerkin_find_impulses_in_ring(step_inputs, ring_index),
-                                    galerkin_find_impulses_in_ring(step_inputs, ring_index - 1), last_step_only_mask};
+                                    galerkin_find_impulses_in_ring(step_inputs, ring_index - 1),
+                                    equal_step_count < 2 ||
+                                        first_movement_square > step_inputs->two_step_prediction_max_first_movement};
 }
 
-/* Records a pass of a member with this movement, and decides whether the iteration may end. */
-JET_INLINE tvi_passes_verdict galerkin_judge_pass(const tvi_stopping_rule *rule, galerkin_member_iteration *iteration,
+/* Records a pass with this movement, and decides whether the iteration may end. */
+JET_INLINE tvi_passes_verdict galerkin_judge_pass(const tvi_stopping_rule *rule, galerkin_iteration *iteration,
                                                   double movement)
 {
     const tvi_passes_verdict verdict = tvi_convergence_test_add_pass(&iteration->passes_so_far, rule, movement);
@@ -124,31 +118,11 @@ JET_INLINE tvi_passes_verdict galerkin_judge_pass(const tvi_stopping_rule *rule,
     return iteration->status == TVI_ENONFINITE ? TVI_PASSES_MAY_END : verdict;
 }
 
-/* Makes passes of all members of a batch together, until each member has converged or is stuck (its movements no longer
- * shrink), or the number of passes is at its limit. A pass does not move members that have converged or are stuck. */
-JET_INLINE void galerkin_make_passes_of_batch(const galerkin_step_inputs *step_inputs, const galerkin_nodes *nodes,
-                                              const galerkin_pass_functions *pass_functions,
-                                              galerkin_batch_iteration *iteration)
-{
-    int left = 0;
-    for (int m = 0; m < nodes->member_count; m++) {
-        iteration->last_judged_movement_square[m] = iteration->previous_judged_movement_square[m] =
-            iteration->movement_square_without_roundoff[m] = INFINITY;
-        iteration->contraction_ratio[m] = iteration->pass_count_as_double[m] = 0;
-        iteration->converged_mask[m] = 0;
-        left -= (int)iteration->moving_mask[m];
-    }
-    for (int count = 1; left > 0 && count <= step_inputs->passes_rule->max_passes; count++) {
-        (void)pass_functions->make_pass(pass_functions->work, nodes, iteration->movement_square, NULL);
-        left = step_inputs->kernels->judge_passes(iteration, step_inputs->passes_rule, nodes->member_count, count);
-    }
-}
-
-/* Makes the passes of one member until they converge. If the movements no longer shrink, the roundoff of a pass is
+/* Makes passes until they converge. If the movements no longer shrink, the roundoff of a pass is
  * measured. */
-JET_INLINE void galerkin_make_passes_of_member(const galerkin_step_inputs *step_inputs, const galerkin_nodes *nodes,
-                                               const galerkin_pass_functions *pass_functions,
-                                               galerkin_member_iteration *iteration, double *movement)
+JET_INLINE void galerkin_make_passes(const galerkin_step_inputs *step_inputs, const galerkin_nodes *nodes,
+                                     const galerkin_pass_functions *pass_functions, galerkin_iteration *iteration,
+                                     double *movement)
 {
     const int most = step_inputs->passes_rule->max_passes;
     bool is_stuck = false;
@@ -173,11 +147,10 @@ JET_INLINE void galerkin_make_passes_of_member(const galerkin_step_inputs *step_
     }
 }
 
-/* Computes the increments of a step from its impulses, and for each member the tail, an estimate of what the truncated
- * series leaves out, [member_count]. */
-JET_INLINE void galerkin_compute_increments(const galerkin_step_inputs *step_inputs, const galerkin_nodes *nodes,
-                                            const tvi_step_origin *origin, const tvi_increments *increments,
-                                            double tail[])
+/* Computes the increments of a step from its impulses. Returns the tail, an estimate of what the truncated series leaves
+ * out. */
+JET_INLINE double galerkin_compute_increments(const galerkin_step_inputs *step_inputs, const galerkin_nodes *nodes,
+                                              const tvi_step_origin *origin, const tvi_increments *increments)
 {
     galerkin_tail_inputs inputs = *step_inputs->tail_inputs;
     inputs.start_q = origin->q;
@@ -192,8 +165,7 @@ JET_INLINE void galerkin_compute_increments(const galerkin_step_inputs *step_inp
     else
         GALERKIN_KERNEL(step_inputs->kernels, compute_increments, nodes, &inputs.impulse_sums_over_nodes, inputs.n,
                         increments);
-    for (int m = 0; m < nodes->member_count; m++) tail[m] = 0;
-    if (nodes->node_count > 1) GALERKIN_KERNEL(step_inputs->kernels, compute_tails, &inputs, nodes->member_count, tail);
+    return nodes->node_count > 1 ? GALERKIN_KERNEL(step_inputs->kernels, compute_tail, &inputs) : 0;
 }
 
 /* ---- Steps in a row ---------------------------------------------------------------------------------------------- */
@@ -224,7 +196,7 @@ JET_INLINE bool galerkin_try_adding_step_to_state(int n, const tvi_run_request *
     return true;
 }
 
-/* Makes steps of one member in a row from the origin, and adds them to `state`. If `state` is NULL, makes a single step
+/* Makes steps in a row from the origin, and adds them to `state`. If `state` is NULL, makes a single step
  * and adds nothing. If outcome->equal_step_count is 0, the caller has set the unknowns of the first step. */
 JET_INLINE void galerkin_make_steps(const galerkin_step_inputs *step_inputs, galerkin_nodes *nodes,
                                     const galerkin_pass_functions *pass_functions, const tvi_run_request *run,
@@ -234,22 +206,21 @@ JET_INLINE void galerkin_make_steps(const galerkin_step_inputs *step_inputs, gal
     const int n = step_inputs->tail_inputs->n;
     while (outcome->step_count < run->max_steps) {
         const double t = state ? state->q[n] : origin->t;
-        galerkin_member_iteration iteration = {.convergence = outcome->convergence};
-        double movement, tail;
+        galerkin_iteration iteration = {.convergence = outcome->convergence};
+        double movement, tail = 0;
         nodes->impulses = galerkin_find_impulses_in_ring(step_inputs, outcome->last_ring_index + 1);
         galerkin_set_drift_values(step_inputs, nodes, origin);
         if (outcome->equal_step_count > 0) {
-            const long long last_step_only_mask = galerkin_make_last_step_only_mask(
-                step_inputs, outcome->equal_step_count, outcome->convergence.first_movement_square);
             const galerkin_extrapolation extrapolation =
-                galerkin_select_extrapolation(step_inputs, outcome->last_ring_index, &last_step_only_mask);
+                galerkin_select_extrapolation(step_inputs, outcome->last_ring_index, outcome->equal_step_count,
+                                              outcome->convergence.first_movement_square);
             pass_functions->predict(pass_functions->work, nodes, &extrapolation);
         }
         GALERKIN_KERNEL(step_inputs->kernels, set_sizes, nodes, n);
-        galerkin_make_passes_of_member(step_inputs, nodes, pass_functions, &iteration, &movement);
+        galerkin_make_passes(step_inputs, nodes, pass_functions, &iteration, &movement);
         outcome->status = iteration.status;
         if (iteration.status == TVI_OK)
-            galerkin_compute_increments(step_inputs, nodes, origin, &run->last_step_increments_out, &tail);
+            tail = galerkin_compute_increments(step_inputs, nodes, origin, &run->last_step_increments_out);
         if (iteration.status != TVI_OK ||
             (state && !galerkin_try_adding_step_to_state(n, run, state, tail, iteration.pass_count))) {
             outcome->pass_count_of_failed_step = iteration.pass_count;

@@ -119,6 +119,6 @@ typedef struct {
 } tvi_stepper;
 
 extern const tvi_stepper tvi_stepper_curve, tvi_stepper_taylor, tvi_stepper_composed, tvi_stepper_galerkin;
-extern const tvi_batch_stepper tvi_curve_batch, tvi_galerkin_batch;
+extern const tvi_batch_stepper tvi_curve_batch;
 
 #endif
