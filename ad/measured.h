@@ -33,9 +33,6 @@
 /* [members] The width of a block is the number of its members: BATCH_MIN_WIDTH times a power of two. */
 #define BATCH_MIN_WIDTH        8  /* [members] The smallest block: one vector of the widest instruction set. */
 #define BATCH_MAX_WIDTH        32 /* [members] The largest block for methods with curves. */
-#define VERLET_BATCH_MAX_WIDTH 64 /* [members] The largest block for Stormer-Verlet. */
-/* [bytes] The largest block of the tape of Stormer-Verlet; a block of BATCH_MIN_WIDTH members may be larger. */
-#define VERLET_BATCH_MAX_BYTES (16 << 10)
 /* [bytes] The largest block of a series and its tangents along one direction, to stay in the first-level cache. */
 #define CURVE_BATCH_MAX_BYTES (32 << 10)
 /* [bytes] The largest block of a series and its tangents if it has only BATCH_MIN_WIDTH members. */

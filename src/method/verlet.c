@@ -1,172 +1,73 @@
 /* verlet.c - Makes steps of Stormer-Verlet: the momenta change by half a step of the forces at the start, the
- * coordinates by a step of these momenta, and the momenta by half a step of the forces at the end. In a batch of an
- * ensemble, the members are the lanes of all arrays. */
+ * coordinates by a step of these momenta, and the momenta by half a step of the forces at the end. */
 #include "method/list.h"
-#include "method/single.h"
-#include "vector.h"
+#include "method/stepper.h"
 
 #include <math.h>
 #include <string.h>
 
-/* The memory of a stepper, for one integrator or for a batch. */
+/* The memory of a stepper. */
 typedef struct {
     const tvi_system *system;
-    tvi_member_stepper *single_stepper; /* Makes the steps of single members that fail in a batch. */
-    int width;
-    double last_step_size;                          /* The size of the last step. */
-    double *force_block;                            /* The block of the tape that computes the forces. */
-    double *force_at_start, *force_at_end;          /* [n][width] The forces at the ends of the step. */
-    double *dq, *dp;                                /* [n][width] The increments of the step. */
-    bool is_outside_domain[VERLET_BATCH_MAX_WIDTH]; /* Tells whether a force of the member has no value. */
+    double last_step_size;                 /* The size of the last step. */
+    double *force_block;                   /* The block of the tape that computes the forces. */
+    double *force_at_start, *force_at_end; /* [n] The forces at the ends of the step. */
+    double *dq, *dp;                       /* [n] The increments of the step. */
 } verlet_work;
 
-static void *allocate_members(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
+static void *allocate(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
     verlet_work *taken = tvi_arena_allocate(arena, sizeof *taken);
-    verlet_work w = {.system = system, .width = width};
-    if (width > 1) {
-        tvi_member_stepper single_stepper;
-        w.single_stepper = tvi_arena_allocate(arena, sizeof single_stepper);
-        tvi_member_stepper_allocate(&single_stepper, arena, tvi_stormer_verlet.stepper, system, options, width, 1);
-        if (w.single_stepper) *w.single_stepper = single_stepper;
-    }
-    w.force_block = tvi_arena_allocate_block(arena, system->field_values, 1, width, 0);
+    verlet_work w = {.system = system};
+    (void)options;
+    w.force_block = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
     double **const vectors[] = {&w.force_at_start, &w.force_at_end, &w.dq, &w.dp};
-    for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_allocate_doubles(arena, (size_t)system->n * (size_t)width);
+    for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_allocate_doubles(arena, (size_t)system->n);
     if (taken) *taken = w;
     return taken;
 }
 
-/* ---- The step ---------------------------------------------------------------------------------------------------- */
-
-/* Computes force = F at the coordinates in the force block, at the time t + (t_low + time_offset). Returns false if
- * all members are outside of the domain. */
-JET_INLINE bool compute_forces(verlet_work *w, int width, const tvi_batch_origin *origin, double time_offset,
-                               double *force)
+/* Computes force = F at the coordinates in the force block, at the time t + (t_low + time_offset). */
+static tvi_status compute_forces(verlet_work *w, const tvi_step_origin *origin, double time_offset, double *force)
 {
     const jet_tape *tape = w->system->field_values;
     const int n = w->system->n;
-    int left = width;
-    for (int m = 0; w->system->uses_time && m < width; m++)
-        w->force_block[n * width + m] = origin->t[m] + (origin->t_low[m] + time_offset);
-    if (!tape->sweeps->values(tape, w->force_block, width))
-        for (int m = 0; m < width; m++) {
-            w->is_outside_domain[m] |=
-                width == 1 || !tvi_is_member_inside_domain(w->single_stepper, tape, w->force_block, 1, m);
-            left -= w->is_outside_domain[m];
-        }
-    for (int i = 0; i < n; i++)
-        memcpy(force + i * width, w->force_block + tape->output_slot[i] * width, (size_t)width * sizeof *force);
-    return left > 0;
-}
-
-/* Computes dq = h M^-1 (p0 + h/2 F0) and dp = h/2 (F0 + F1) of all members. Returns the number of force evaluations
- * of each member. */
-JET_INLINE int compute_increments(verlet_work *w, int width, double h, const tvi_batch_origin *origin)
-{
-    const int n = w->system->n;
-    w->last_step_size = h;
-    memset(w->is_outside_domain, 0, (size_t)width * sizeof *w->is_outside_domain);
-    memcpy(w->force_block, origin->q, (size_t)(n * width) * sizeof *w->force_block);
-    if (!compute_forces(w, width, origin, 0, w->force_at_start)) return 1;
-    for (int i = 0; i < n; i++) {
-        const double factor = h / w->system->mass[i];
-        for (int at = i * width; at < (i + 1) * width; at++) {
-            w->dq[at] = factor * (origin->p[at] + (origin->p_low[at] + h / 2 * w->force_at_start[at]));
-            w->force_block[at] = origin->q[at] + (origin->q_low[at] + w->dq[at]);
-        }
-    }
-    (void)compute_forces(w, width, origin, h, w->force_at_end);
-    for (int at = 0; at < n * width; at++) w->dp[at] = h / 2 * (w->force_at_start[at] + w->force_at_end[at]);
-    return 2;
-}
-
-/* Computes bound_of_member [width], bounds of the changes of the members' energies. The kinetic energy changes by (F0 +
- * F1)/2 . dq + h/4 (F1 - F0) . M^-1 dp. The potential changes by -F . dq, with an F between F0 and F1. */
-static void bound_energy_change_of_each_member(const void *work, double bound_of_member[])
-{
-    const verlet_work *w = work;
-    const int width = w->width;
-    for (int m = 0; m < width; m++) bound_of_member[m] = 0;
-    for (int i = 0; i < w->system->n; i++) {
-        const double factor = w->last_step_size / w->system->mass[i];
-        for (int m = 0, at = i * width; m < width; m++, at++)
-            bound_of_member[m] +=
-                fabs(w->force_at_end[at] - w->force_at_start[at]) * (fabs(w->dq[at]) + fabs(factor * w->dp[at])) / 2;
-    }
-}
-
-/* ---- Several members --------------------------------------------------------------------------------------------- */
-
-static int choose_batch_width(const tvi_system *system, const tvi_options *options)
-{
-    const int bytes = system->field_values->slot_count * (int)sizeof(double);
-    int width = BATCH_MIN_WIDTH;
-    (void)options;
-    while (2 * width <= VERLET_BATCH_MAX_WIDTH && 2 * width * bytes <= VERLET_BATCH_MAX_BYTES) width *= 2;
-    return width;
-}
-
-/* Sets the tables of the stepper that makes the step of a single member if the batch cannot. */
-static void set_tables_of_single_stepper(void *work)
-{
-    tvi_member_stepper_set_tables(((verlet_work *)work)->single_stepper);
-}
-
-static void step_members(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *results,
-                         tvi_stats *stats)
-{
-    verlet_work *w = work;
-    const jet_tape *tape = w->system->field_values;
-    const int forces = compute_increments(w, w->width, h, origin);
-    for (int m = 0; m < w->width; m++) {
-        if (results->status[m] != TVI_OK) continue;
-        if (w->is_outside_domain[m]) {
-            (void)tvi_step_member(w->single_stepper, tape, w->force_block, 1, h, origin, results, m, stats);
-            continue;
-        }
-        for (int at = m; at < w->system->n * w->width; at += w->width) {
-            results->increments.dq[at] = w->dq[at];
-            results->increments.dp[at] = w->dp[at];
-        }
-        results->tail[m] = 0;
-        results->pass_counts[m] = 0;
-        stats->force_evaluations += forces;
-    }
-}
-
-static const tvi_batch_stepper batch_stepper = {.width = choose_batch_width,
-                                                .allocate = allocate_members,
-                                                .set_tables = set_tables_of_single_stepper,
-                                                .step = step_members,
-                                                .bound_energy_change = bound_energy_change_of_each_member};
-
-/* ---- One member -------------------------------------------------------------------------------------------------- */
-
-static void *allocate_one_member(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
-{
-    return allocate_members(arena, system, options, 1);
-}
-
-static tvi_status step_one_member(void *work, double h, const tvi_step_origin *origin, const tvi_increments *increments,
-                                  tvi_stats *stats)
-{
-    verlet_work *w = work;
-    const tvi_batch_origin batch_origin = tvi_batch_origin_of_one(origin);
-    const size_t bytes = (size_t)w->system->n * sizeof(double);
-    stats->force_evaluations += compute_increments(w, 1, h, &batch_origin);
-    if (w->is_outside_domain[0]) {
-        (void)jet_set_error_text_of_failed_sweep(w->system->field_values, w->force_block, 1);
+    if (w->system->uses_time) w->force_block[n] = origin->t + (origin->t_low + time_offset);
+    if (!tape->sweeps->values(tape, w->force_block, 1)) {
+        (void)jet_set_error_text_of_failed_sweep(tape, w->force_block, 1);
         return TVI_EDOMAIN;
     }
-    memcpy(increments->dq, w->dq, bytes);
-    memcpy(increments->dp, w->dp, bytes);
+    for (int i = 0; i < n; i++) force[i] = w->force_block[tape->output_slot[i]];
+    return TVI_OK;
+}
+
+/* Computes dq = h M^-1 (p0 + h/2 F0) and dp = h/2 (F0 + F1). */
+static tvi_status step(void *work, double h, const tvi_step_origin *origin, const tvi_increments *increments,
+                       tvi_stats *stats)
+{
+    verlet_work *w = work;
+    const int n = w->system->n;
+    w->last_step_size = h;
+    memcpy(w->force_block, origin->q, (size_t)n * sizeof *w->force_block);
+    stats->force_evaluations++;
+    tvi_status status = compute_forces(w, origin, 0, w->force_at_start);
+    if (status != TVI_OK) return status;
+    for (int i = 0; i < n; i++) {
+        w->dq[i] = h / w->system->mass[i] * (origin->p[i] + (origin->p_low[i] + h / 2 * w->force_at_start[i]));
+        w->force_block[i] = origin->q[i] + (origin->q_low[i] + w->dq[i]);
+    }
+    stats->force_evaluations++;
+    status = compute_forces(w, origin, h, w->force_at_end);
+    if (status != TVI_OK) return status;
+    for (int i = 0; i < n; i++) w->dp[i] = h / 2 * (w->force_at_start[i] + w->force_at_end[i]);
+    memcpy(increments->dq, w->dq, (size_t)n * sizeof *w->dq);
+    memcpy(increments->dp, w->dp, (size_t)n * sizeof *w->dp);
     return TVI_OK;
 }
 
 /* Evaluates the polynomials of q and p through the ends of the step: p' is linear, from F0 to F1, and q'' is
  * constant, M^-1 F0. */
-static void interpolate_one_member(void *work, double theta, double dq[], double dp[])
+static void interpolate(void *work, double theta, double dq[], double dp[])
 {
     const verlet_work *w = work;
     for (int i = 0; i < w->system->n; i++) {
@@ -177,25 +78,30 @@ static void interpolate_one_member(void *work, double theta, double dq[], double
     }
 }
 
+/* The kinetic energy changes by (F0 + F1)/2 . dq + h/4 (F1 - F0) . M^-1 dp. The potential changes by -F . dq, with an F
+ * between F0 and F1. */
 static double bound_energy_change(const void *work)
 {
-    double change;
-    bound_energy_change_of_each_member(work, &change);
-    return change;
+    const verlet_work *w = work;
+    double bound = 0;
+    for (int i = 0; i < w->system->n; i++) {
+        const double factor = w->last_step_size / w->system->mass[i];
+        bound += fabs(w->force_at_end[i] - w->force_at_start[i]) * (fabs(w->dq[i]) + fabs(factor * w->dp[i])) / 2;
+    }
+    return bound;
 }
 
 static tvi_tapes_of_steps list_used_tapes(const tvi_system *system, const tvi_options *options)
 {
-    return (tvi_tapes_of_steps){.value_tape_emission = {.name_prefix = "tvi_values",
-                                                        .value_lane_counts = {1, choose_batch_width(system, options)}}};
+    (void)system, (void)options;
+    return (tvi_tapes_of_steps){.value_tape_emission = {.name_prefix = "tvi_values", .value_lane_counts = {1}}};
 }
 
-static const tvi_stepper single_stepper_functions = {.allocate = allocate_one_member,
-                                                     .step = step_one_member,
-                                                     .interpolate = interpolate_one_member,
-                                                     .bound_energy_change = bound_energy_change,
-                                                     .list_tapes = list_used_tapes,
-                                                     .batch = &batch_stepper};
+static const tvi_stepper stepper = {.allocate = allocate,
+                                    .step = step,
+                                    .interpolate = interpolate,
+                                    .bound_energy_change = bound_energy_change,
+                                    .list_tapes = list_used_tapes};
 
 static const tvi_supported_forms supported_forms = {
     TVI_SUPPORTS_SEPARABLE, "Stormer-Verlet needs a constant diagonal mass and a force without velocities"};
@@ -208,5 +114,5 @@ const tvi_descriptor tvi_stormer_verlet = {
     .least_degree = 1,
     .most_degree = 1,
     .supports = &supported_forms,
-    .stepper = &single_stepper_functions,
+    .stepper = &stepper,
 };
