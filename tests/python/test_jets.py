@@ -2,6 +2,7 @@
 
 import math
 import threading
+import traceback
 import unittest
 
 import numpy as np
@@ -31,6 +32,10 @@ COMPUTED = {
     "inverse hyperbolic": lambda x, t: np.arcsinh(x[0]) + np.arccosh(x[1] + 1) + np.arctanh(x[2] / 9),
     "of two": lambda x, t: np.arctan2(x[0], x[1]) + np.arctan2(2.0, x[1]) + np.arctan2(x[0], 3) + np.hypot(x[0], x[1])
     + np.hypot(1, x[2]) + np.arctan2(x, x[0])[1] + np.hypot(x[1:], x[:2])[1] + np.hypot([1.0, 2.0], x[1])[1],
+    **{f"{function.__name__} in arrays": lambda x, t, f=function: f(2.0, x).sum() + f(x, 2.0) @ x + f(2, x[1])
+       + f(x, [1.0, 2.0, 3.0]).sum() + f([1.0, 2.0, 3.0], x)[2] + f(np.arange(1, 4), x[0]).sum() + f(x, x[1]).prod()
+       + f(x[:, np.newaxis], x).sum() + f(x[:, np.newaxis], [1.0, 2.0]).sum() + f([[1.0], [2.0]], x)[1, 2]
+       + f(np.float32(2), 2 * x + 1).sum() + f(x.reshape(3, 1), x[:2])[2, 1] for function in (np.hypot, np.arctan2)},
     "erf": lambda x, t: tvi.erf(x[0]) + tvi.erf(x[:2])[1] + tvi.erf(0.5),
     "in place": lambda x, t: _in_place(x),
     "number alone": lambda x, t: 2.5,
@@ -72,7 +77,8 @@ REFUSED = [
     (lambda q: abs(q[0]), TypeError, POWER),
     (lambda q: np.abs(q)[0], TypeError, POWER),
     (lambda q: q[0] - "x", TypeError, "unsupported operand"),
-    (lambda q: q[0] * 1j, TypeError, "unsupported operand"),
+    (lambda q: q[0] * 1j, TypeError, "jets are real"),
+    (lambda q: 1j, TypeError, "jets are real"),
     (lambda q: q[0] + None, TypeError, "unsupported operand"),
     (lambda q: q[0] ** [1], TypeError, "unsupported operand|returned"),
     (lambda q: q[0] * math.nan, ValueError, "nan, which is not finite"),
@@ -90,10 +96,72 @@ REFUSED = [
     (lambda q, t, x: q[0], TypeError, "is called with \\(q\\) or \\(q, t\\)"),
     (lambda: 0, TypeError, "is called with"),
     (lambda t, q: q[0], TypeError, "t comes last"),
-    (lambda q, *, k: q[0], TypeError, "argument k"),
+    (lambda q, *, k: q[0], TypeError, "k has no value"),
     (lambda q: [][0], IndexError, ""),
     (lambda q: exit(3), SystemExit, "3"),
 ]
+
+
+# Functions of numpy and SciPy of three coordinates that take no jets, and a part of what the text says to write.
+X, Y = [0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 4.0, 9.0]
+UNRECORDED = [
+    (lambda q: np.interp(q[0], X, Y), "interp takes no jets: a table .* np.polynomial.Polynomial.fit"),
+    (lambda q: np.interp(q, X, Y)[0], "interp takes no jets: a table"),
+    (lambda q: np.gradient(q)[0], "gradient takes no jets: write np.diff"),
+    (lambda q: np.abs(np.fft.rfft(q))[0], "rfft takes no jets: write its sums"),
+    (lambda q: np.linalg.solve(np.eye(3), q)[0], "solve takes no jets: write the solution out .* Lagrangian"),
+    (lambda q: np.linalg.inv(np.outer(q, q))[0, 0], "inv takes no jets: write the solution out"),
+    (lambda q: np.linalg.det(np.array([[q[0], 1], [1, q[1]]])), "det takes no jets: write it out"),
+    (lambda q: np.linalg.eigvalsh(np.outer(q, q))[0], "eigvalsh takes no jets"),
+    (lambda q: np.logaddexp(0, q[0]), "logaddexp takes no jets: write a \\+ np.log1p"),
+    (lambda q: np.logaddexp(0, q).sum(), "logaddexp takes no jets: write a \\+ np.log1p"),
+    (lambda q: np.cbrt(q[0]), "cbrt takes no jets: write x\\*\\*\\(1 / 3\\)"),
+    (lambda q: np.cbrt(np.array([q[0], q[1]]))[1], "cbrt takes no jets"),
+    (lambda q: np.heaviside(q[0], 0), "heaviside takes no jets: .* np.tanh.*event"),
+    (lambda q: np.copysign(1, q[0]), "copysign takes no jets: .* np.tanh.*event"),
+    (lambda q: np.float_power(q[0], 2), "float_power takes no jets: write \\*\\*"),
+    (lambda q: np.ldexp(q[0], 2), "ldexp takes no jets: tvi.Jet lists"),
+    (lambda q: np.isnan(q[0]), "isnan takes no jets"),
+    (lambda q: np.hypot(1.0, np.array([q[0], q[1]])).sum(), "hypot takes no jets in an array after a number: write"),
+    (lambda q: np.angle(q[0]), "angle takes no jets: write np.arctan2"),
+    (lambda q: np.maximum(q[0], 0), "a branch .* smooth function, .* tvi.event"),
+    (lambda q: max(q[0], 0), "a branch .* smooth function, .* tvi.event"),
+    (lambda q: filled(np.zeros(3), q), "return a list, or fill np.empty\\(n, object\\)"),
+    (lambda q: filled(np.empty(3), q[:3]), "return a list, or fill np.empty\\(n, object\\)"),
+    (lambda q: math.exp(q[0]), "Write np.sin, not math.sin"),
+    (lambda q: np.real(np.exp(1j * q[0])), "jets are real: write real and imaginary parts"),
+    (lambda q: complex(q[0], q[1]), "jets are real"),
+    (lambda q: (q * np.complex128(1j)).sum(), "jets are real"),
+    (lambda q: np.fmod(q[0], 2), "rounding, // and %"),
+]
+
+
+def filled(array, q):
+    array[0] = q[0]
+    array[1:] = -q[1:]
+    return array[0]
+
+
+def of_scipy():
+    """The same of SciPy, where it is there."""
+    try:
+        from scipy import fft, interpolate, linalg, sparse, special
+    except ImportError:
+        return []
+    band = sparse.diags([-1, 2, -1], [-1, 0, 1], shape=(3, 3)).tocsr()
+    return [
+        (lambda q: interpolate.CubicSpline(X, Y)(q[0]), "scipy.interpolate takes no jets: a table"),
+        (lambda q: interpolate.interp1d(X, Y)(q[0]), "scipy.interpolate takes no jets: a table"),
+        (lambda q: interpolate.UnivariateSpline(X, Y)(q[0]), "scipy.interpolate takes no jets: a table"),
+        (lambda q: q @ (band @ q), "scipy.sparse takes no jets: write A.toarray"),
+        (lambda q: q @ band.dot(q), "scipy.sparse takes no jets: write A.toarray"),
+        (lambda q: fft.rfft(q)[0], "takes no jets: write its sums"),
+        (lambda q: linalg.solve(np.eye(3), q)[0], "scipy.linalg takes no jets: write the solution out"),
+        (lambda q: special.expit(q[0]), "expit takes no jets: write 1 / "),
+        (lambda q: special.expit(q).sum(), "expit takes no jets: write 1 / "),
+        (lambda q: special.erf(q[0]), "erf takes no jets: write tvi.erf"),
+        (lambda q: special.jv(1, q[0]), "jv takes no jets: tvi.Jet lists"),
+    ]
 
 
 class Jets(unittest.TestCase):
@@ -117,6 +185,53 @@ class Jets(unittest.TestCase):
                 with self.assertRaisesRegex(kind, text):
                     tvi.potential(1, function)
                 self.assertEqual(tvi.potential(1, lambda q: q[0]**2).energy(0, [2], [0]), 4)
+
+    def test_unrecorded(self):
+        """What numpy and SciPy do not do with jets: the text says what to write, the traceback has the user's line."""
+        for number, (function, text) in enumerate(UNRECORDED + of_scipy()):
+            with self.subTest(number), self.assertRaisesRegex(TypeError, text):
+                try:
+                    tvi.potential(3, function)
+                except TypeError as error:
+                    names = [frame.name for frame in traceback.extract_tb(error.__traceback__)]
+                    self.assertIn("<lambda>", names)
+                    raise
+
+    def test_einsum(self):
+        """numpy takes objects there from 1.25 on."""
+        try:
+            system = tvi.potential(3, lambda q: np.einsum("i,i->", q, q))
+        except TypeError as error:
+            self.assertEqual(str(error), "einsum takes no jets: write @, np.tensordot, or sums of products")
+        else:
+            self.assertEqual(system.energy(0, [1, 2, 3], [0, 0, 0]), 14)
+
+    def test_other_errors(self):
+        """What a function raises for reasons of its own comes out as it is."""
+        for error in (TypeError("ufunc: mine"), ValueError("a table takes no jets"), AttributeError("no attribute")):
+            def function(q):
+                raise error
+            with self.assertRaises(type(error)) as raised:
+                tvi.potential(1, function)
+            self.assertIs(raised.exception, error)
+        for function in (lambda q: q @ np.ones(4), lambda q: q[0].wrong, lambda q: np.dot(q, np.ones(2))):
+            with self.assertRaises((ValueError, AttributeError)) as raised:
+                tvi.potential(3, function)
+            self.assertNotIn("takes no jets", str(raised.exception))
+
+    def test_arrays(self):
+        """What is computed of an array of jets is one of numpy, also in place, as an output and of several results."""
+        def function(q):
+            y = np.empty(3, object)
+            np.multiply(q, 2, out=y)
+            y += q
+            y[1:] -= 1
+            z = np.add.accumulate(q)
+            np.add(q, z, out=z)
+            return y.sum() + np.add.reduce(z) + np.hypot.outer(q, [3.0, 4.0])[0, 1]
+
+        self.assertAlmostEqual(tvi.potential(3, function).energy(0, [3, 1, 2], [0, 0, 0]),
+                               18 - 2 + 6 + 13 + 5, delta=1e-14)
 
     def test_kept(self):
         """A jet is of use neither after its function nor in another one, nor on another thread."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, NamedTuple
+from typing import Any, Callable, Iterable, NamedTuple
 
 import numpy as np
 
@@ -37,18 +37,27 @@ def event(g: Callable, direction: int = 0, terminal: bool = False) -> Event:
     >>> found.t.round(6)
     array([1.980804, 5.942412, 9.90402 ])
     """
+    return _event("an event", g, direction, terminal)
+
+
+def _event(what: str, g: Any, direction: Any, terminal: Any) -> Event:
     if not callable(g):
-        raise TypeError(f"an event is a function of q p and t, not {type(g).__name__}")
+        raise TypeError(f"{what} is a function of (q, p) or (q, p, t), not {type(g).__name__}")
     if direction not in (FALLING, EITHER, RISING):
         raise ValueError(f"direction is -1, 0 or 1, not {direction!r}")
+    if terminal not in (False, True):
+        raise ValueError(f"terminal is True or False, not {terminal!r}: a run ends at the first event")
     return Event(g, int(direction), bool(terminal))
 
 
 def events_of(given: Any) -> list[Event]:
     """One event or several, each as tvi.event makes it or a function with attributes."""
-    several = [given] if isinstance(given, Event) or callable(given) else list(given)
-    return [x if isinstance(x, Event) else event(x, getattr(x, "direction", 0), getattr(x, "terminal", False))
-            for x in several]
+    if not isinstance(given, Event) and not callable(given) and not isinstance(given, Iterable):
+        raise TypeError(f"events is a function of (q, p) or (q, p, t), or a list of them, not {type(given).__name__}")
+    several = list(given) if isinstance(given, Iterable) else [given]
+    return [x if isinstance(x, Event) else
+            _event(f"event {i}", x, getattr(x, "direction", 0), getattr(x, "terminal", False))
+            for i, x in enumerate(several)]
 
 
 class Recorded:

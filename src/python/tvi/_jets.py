@@ -11,9 +11,12 @@ import numpy as np
 from ._library import ffi, lib
 
 _KEPT = "a jet lives as long as the call that received it: this one was kept after its function had returned"
-BRANCH = ("a branch on the value of a jet cannot be recorded: the function is called once, without numbers. "
-           "Loops and branches on ordinary numbers are fine")
-_NUMBER = "a jet has no value yet: the function is called once, without numbers. Write np.sin, not math.sin"
+BRANCH = ("a branch on the value of a jet cannot be recorded: the function is called once, without numbers. Write a "
+          "smooth function, or let a terminal tvi.event end the run where the branch changes. Loops and branches on "
+          "ordinary numbers are fine")
+_NUMBER = ("a jet has no value yet: the function is called once, without numbers. Write np.sin, not math.sin. Where "
+           "an array is filled, return a list, or fill np.empty(n, object) and not np.zeros(n)")
+_COMPLEX = "jets are real: write real and imaginary parts, such as np.cos(x) and np.sin(x) for np.exp(1j * x)"
 
 
 class Recording:
@@ -29,7 +32,7 @@ class Recording:
         return Jet(ffi.new("jet *", (value.number, value.node))[0], self)
 
     def jets(self, pointer: Any, count: int) -> np.ndarray:
-        array = np.empty(count, dtype=object)
+        array = np.empty(count, dtype=object).view(Jets)
         for i in range(count):
             array[i] = self.jet(pointer[i])
         return array
@@ -49,6 +52,8 @@ class Recording:
             if not math.isfinite(x):
                 raise ValueError(f"a jet is combined with {x}, which is not finite")
             return (x, ffi.NULL)
+        if isinstance(value, (complex, np.complexfloating)):
+            raise TypeError(_COMPLEX)
         if isinstance(value, np.ndarray) and value.ndim == 0:
             return self.operand(value[()])
         return None
@@ -115,8 +120,9 @@ class Jet:
     >>> pendulum = tvi.potential(1, lambda q: -9.8 * np.cos(q[0]))
     >>> tvi.potential(1, lambda q: q[0] if q[0] > 0 else -q[0])
     Traceback (most recent call last):
-    TypeError: a branch on the value of a jet cannot be recorded: the function is called once, without numbers. Loops \
-and branches on ordinary numbers are fine
+    TypeError: a branch on the value of a jet cannot be recorded: the function is called once, without numbers. Write \
+a smooth function, or let a terminal tvi.event end the run where the branch changes. Loops and branches on ordinary \
+numbers are fine
     """
 
     __slots__ = ("_value", "_recording")
@@ -191,16 +197,15 @@ and branches on ordinary numbers are fine
     def log1p(self) -> "Jet":
         return 2 * (self / (self + 2)).arctanh()
 
-    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **kwargs: Any) -> Any:
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
         """numpy's functions where a jet is an argument by itself, not in an array."""
-        wrapped = [_as_array(x) if isinstance(x, Jet) else x for x in inputs]
-        of_two = _OF_TWO.get(ufunc) if method == "__call__" else None
-        return of_two(*wrapped) if of_two else getattr(ufunc, method)(*wrapped, **kwargs)
+        return _of_arrays(ufunc, method, inputs, options)
 
     __bool__ = __lt__ = __le__ = __gt__ = __ge__ = __eq__ = __ne__ = _branch
-    __float__ = __int__ = __complex__ = _refuse(TypeError, _NUMBER)
+    __float__ = __int__ = _refuse(TypeError, _NUMBER)
+    __complex__ = _refuse(TypeError, _COMPLEX)
     __floordiv__ = __rfloordiv__ = __mod__ = __rmod__ = __divmod__ = __round__ = __floor__ = __ceil__ = __trunc__ = \
-        floor = ceil = trunc = rint = _refuse(TypeError, "rounding, // and % have no power series to record")
+        floor = ceil = trunc = rint = fmod = _refuse(TypeError, "rounding, // and % have no power series to record")
     __abs__ = fabs = absolute = \
         _refuse(TypeError, "abs() of a jet has no power series at 0: write np.sqrt(x**2) where it never is 0")
     __reduce__ = _refuse(TypeError, _KEPT)
@@ -221,10 +226,32 @@ def _of_two(code: int, a: Any, b: Any) -> Jet:
     return Jet(lib.jet_record_function2(code, first, second), recording)
 
 
-def _as_array(x: Jet) -> np.ndarray:
-    array = np.empty((), dtype=object)
-    array[()] = x
-    return array
+class Jets(np.ndarray):
+    """An array of jets that a function receives: one of numpy's, whose arctan2 and hypot take numbers, too. What is
+    computed of it is one, too."""
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
+        return _of_arrays(ufunc, method, inputs, options)
+
+
+def _of_arrays(ufunc: Any, method: str, inputs: tuple, options: dict[str, Any]) -> Any:
+    """A function of numpy by numpy's own loop over arrays of objects."""
+    out = options.get("out")
+    if out:
+        options["out"] = tuple(_as_array(x) for x in out)
+    value = getattr(_OF_TWO.get(ufunc, ufunc), method)(*(_as_array(x) for x in inputs), **options)
+    if out:
+        return out[0]
+    return value.view(Jets) if isinstance(value, np.ndarray) and value.dtype == object else value
+
+
+def _as_array(x: Any) -> Any:
+    """The same, and where it is a jet or jets an array of numpy's own class."""
+    if isinstance(x, Jet):
+        array = np.empty((), dtype=object)
+        array[()] = x
+        return array
+    return x.view(np.ndarray) if isinstance(x, Jets) else x
 
 
 def _each(code: int, function: Callable) -> Callable:
@@ -251,7 +278,7 @@ def parameters(recording: Recording, of: Jet, values: Mapping[str, Any]) -> dict
     """The parameters by name as jets: one for a number, an array of jets for an array. Their indices count on."""
     named, index = {}, 0
     for name, value in values.items():
-        array = np.empty(np.shape(value), dtype=object)
+        array = np.empty(np.shape(value), dtype=object).view(Jets)
         for place in np.ndindex(array.shape):
             jet = lib.jet_parameter(of._value, index, float(np.asarray(value)[place]))
             array[place] = Jet(jet, recording)

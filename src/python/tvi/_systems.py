@@ -55,6 +55,11 @@ class System:
         return self.kind == "rescaled" or self.kind == "driven" and self._arguments[0].is_rescaled
 
     @property
+    def can_be_rescaled(self) -> bool:
+        """Whether rescaled() may make steps of it that adapt."""
+        return self.kind in ("potential", "hamiltonian")
+
+    @property
     def masses(self) -> np.ndarray:
         """The masses [n] of the coordinates; 1 for a Lagrangian and a Hamiltonian, which state none."""
         if self.kind in ("rescaled", "driven"):
@@ -66,6 +71,16 @@ class System:
     def has_energy(self) -> bool:
         """Whether it has a Hamiltonian: all but a force."""
         return self.kind != "force"
+
+    @property
+    def tangent_rows(self) -> int:
+        """How many rows tangent vectors have: 2n + parameters."""
+        return 2 * self.n + self._count
+
+    @property
+    def tangent_hint(self) -> str:
+        rows = f"{self.tangent_rows} rows are those of dq and dp, {self.n} each"
+        return f"2n + parameters = {rows}, and {self._count} of the parameters" if self._count else f"2n = {rows}"
 
     def values(self, given: dict[str, Any], members: int = 1) -> np.ndarray:
         """The values of its parameters for so many members, [count][members] as the library takes them: those that
@@ -215,7 +230,7 @@ def _derived(kind: str, system: System, function: Callable | None, vectors: str,
         callback = vector(recorded, guard, "tvi_drive_fn *", system.n) if kind == "driven" else \
             scalar(recorded, guard, "tvi_rescale_fn *", system.n)
     elif kind == "driven":
-        raise TypeError("drive is a function of q v and t, not NoneType")
+        raise TypeError("drive is a function of (q, v) or (q, v, t), not NoneType")
     create = getattr(lib, "tvi_system_" + kind)
     made = make("tvi_system", lambda out: create(out, system._handle.pointer, callback, ffi.NULL), guard)
     return System(kind, system.n, (system, function), values, made)
@@ -235,10 +250,11 @@ def potential(n: int, V: Callable, mass: Array = None, **parameters: Any) -> Sys
     """The system M q'' = -dV/dq of a potential energy V(q) or V(q, t), with p = M v.
 
     n: degrees of freedom, 1 to 10000. V: a function of an array of n jets, called once, that returns one jet; loops,
-    sums, slices, @ and numpy's functions are recorded (tvi.Jet). mass: a number, or [n], positive; None: all 1.
-    parameters: numbers, or arrays of numbers, that V takes by keyword, and that runs may have other values of. Units
-    are any that fit together. Raises what V raises; tvi.Error with what the library refuses; TypeError and ValueError
-    for arguments of another kind, shape or range.
+    sums, slices, @ and numpy's functions are recorded (tvi.Jet). It takes the time if it has an argument t or time; any
+    other further argument is a parameter, and arguments called v, p or t in the place of q are refused. mass: a number,
+    or [n], positive; None: all 1. parameters: numbers, or arrays of numbers, that V takes by keyword, and that runs may
+    have other values of. Units are any that fit together. Raises what V raises; tvi.Error with what the library
+    refuses; TypeError and ValueError for arguments of another kind, shape or range.
 
     >>> import numpy as np, tvi
     >>> kepler = tvi.potential(2, lambda q, mu: -mu / np.sqrt(q @ q), mu=1.0)
