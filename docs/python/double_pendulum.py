@@ -7,7 +7,7 @@ g = 9.8  # m/s^2; both rods are 1 m long, both masses 1 kg, q are their angles f
 system = tvi.lagrangian(2, lambda q, v: v[0]**2 + v[1]**2 / 2 + v[0] * v[1] * np.cos(q[0] - q[1])
                         + g * (2 * np.cos(q[0]) + np.cos(q[1])))
 t = np.linspace(0, 30, 3001)
-one, other = (tvi.solve(system, (0, 30), q0=[2, 2.5 + d], h=0.02, t_eval=t) for d in (0, 1e-10))
+one, other = (tvi.solve(system, (0, 30), q0=[2, 2.5 + d], p0=0, h=0.02, t_eval=t) for d in (0, 1e-10))
 
 figure, (path, distance) = plt.subplots(1, 2, figsize=(9, 3.8), layout="constrained")
 x, y = np.sin(one.q).sum(axis=1), -np.cos(one.q).sum(axis=1)

@@ -12,7 +12,7 @@ SPRING = tvi.potential(2, lambda q, w: w * (q @ q) / 2, w=1.0)
 
 
 def event(g, **none):
-    tvi.Integrator(SPRING, [1, 2], [0, 0]).run(h=0.1, steps=1, events=g)
+    tvi.Integrator(SPRING, [1, 2], p=0).run(h=0.1, steps=1, events=g)
 
 
 # How functions of each kind are recorded with parameters of their own, and the vectors that they are called with.

@@ -128,7 +128,7 @@ class Interrupts(unittest.TestCase):
             tvi.ensemble(kepler(), (0, 1e9), [[1, 0]] * 50, [0, 0.8], h=0.25)
         self.assertGreater(raised.exception.result.orbits.t.min(), 1)
         with self.assertRaises(tvi.Interrupted) as raised, Pressed():
-            tvi.megno(spring(), (0, 1e9), [[1]] * 50, h=0.25)
+            tvi.megno(spring(), (0, 1e9), [[1]] * 50, p0=0, h=0.25)
         self.assertEqual(raised.exception.result.shape, (50,))
 
     def test_callbacks(self):
@@ -185,7 +185,7 @@ class Interrupts(unittest.TestCase):
         for thread in threading.enumerate():
             if thread.name == "tvi":
                 thread.join()
-        self.assertEqual(tvi.Integrator(system, np.ones(12)).integrate(0.01, 3), True)
+        self.assertEqual(tvi.Integrator(system, np.ones(12), p=0).integrate(0.01, 3), True)
 
     def test_other_threads(self):
         """A run on another thread goes on when the main one is interrupted."""
@@ -200,7 +200,7 @@ class Interrupts(unittest.TestCase):
     def test_program(self):
         """A program that nobody catches anything in ends as others do, and prints nothing of the library's."""
         code = ("import tvi\nprint('begins', flush=True)\n"
-                "it = tvi.Integrator(tvi.potential(1, lambda q: q[0]**2), [1])\nit.integrate(0.1, 10**12)")
+                "it = tvi.Integrator(tvi.potential(1, lambda q: q[0]**2), [1], [0])\nit.integrate(0.1, 10**12)")
         with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as program:
             program.stdout.readline()
             time.sleep(0.5)

@@ -146,12 +146,12 @@ class Lifetimes(unittest.TestCase):
         printed = python("""
 import os, tvi
 spring = tvi.potential(1, lambda q: q[0]**2)
-before = tvi.Ensemble(spring, [[1]] * 50, threads=2)
+before = tvi.Ensemble(spring, [[1]] * 50, p=0, threads=2)
 before.integrate(0.1, 100)
 if child := os.fork():
     print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), before.integrate(0.1, 100))
 else:
-    new = tvi.Ensemble(spring, [[1]] * 50, threads=2)
+    new = tvi.Ensemble(spring, [[1]] * 50, p=0, threads=2)
     new.integrate(0.1, 200)
     before.integrate(0.1, 100)
     os._exit(7 if (new.q == before.q).all() else 1)

@@ -35,12 +35,12 @@ class Solve(unittest.TestCase):
                     continue
                 for sign in 1, -1:
                     with self.subTest(f"{system} {step} {sign}"):
-                        whole = tvi.solve(system, (0, 20 * sign), [1], dense_output=True, **step)
+                        whole = tvi.solve(system, (0, 20 * sign), [1], p0=0, dense_output=True, **step)
                         self.right(whole)
                         self.assertEqual((whole.t[0], whole.t[-1], whole.t_end), (0, 20 * sign, 20 * sign))
                         self.assertTrue((np.diff(whole.t) * sign > 0).all())
-                        at = tvi.solve(system, (0, 20 * sign), [1], t_eval=np.multiply(sign, times), dense_output=True,
-                                       **step)
+                        at = tvi.solve(system, (0, 20 * sign), [1], p0=0, t_eval=np.multiply(sign, times),
+                                       dense_output=True, **step)
                         self.right(at)
                         self.assertEqual(at.t.tolist(), [sign * t for t in times])
                         for result in whole, at:
@@ -54,19 +54,19 @@ class Solve(unittest.TestCase):
                         self.assertLess(np.ptp(whole.energy), 1e-13 if "h" in step else 1e-9)
                         self.assertTrue(same_bits(whole.v, whole.p))
                         self.assertLess(whole.end_error(), 1e-8)
-        self.assertIsNone(tvi.solve(spring(), (0, 1), [1], h=0.1).sol)
+        self.assertIsNone(tvi.solve(spring(), (0, 1), [1], p0=0, h=0.1).sol)
 
     def test_starts(self):
         system = tvi.potential(2, lambda q: q @ q, mass=[1, 4])
         by_v = tvi.solve(system, (0, 1), [1, 0], v0=[1, 1], h=0.1)
         self.assertEqual(by_v.p[0].tolist(), [1, 4])
         self.assertEqual(by_v.v[0].tolist(), [1, 1])
-        self.assertEqual(tvi.solve(system, (0, 1), [1, 0], h=0.1).p[0].tolist(), [0, 0])
+        self.assertEqual(tvi.solve(system, (0, 1), [1, 0], p0=0, h=0.1).p[0].tolist(), [0, 0])
         nothing = tvi.solve(system, (2, 2), [1, 0], [1, 1])
         self.assertEqual((nothing.t.tolist(), nothing.q[0].tolist(), nothing.status), ([2], [1, 0], 0))
-        self.assertEqual(tvi.solve(system, (0, 1), [0, 0], h=0.1).end_error(), 0)
-        self.assertIsNone(tvi.solve(tvi.force(1, lambda q: -q), (0, 1), [1], h=0.1).energy)
-        self.assertEqual(len(tvi.solve(system, (0, 1), [1, 0], h=0.1, t_eval=[]).t), 0)
+        self.assertEqual(tvi.solve(system, (0, 1), [0, 0], p0=0, h=0.1).end_error(), 0)
+        self.assertIsNone(tvi.solve(tvi.force(1, lambda q: -q), (0, 1), [1], p0=0, h=0.1).energy)
+        self.assertEqual(len(tvi.solve(system, (0, 1), [1, 0], p0=0, h=0.1, t_eval=[]).t), 0)
 
     def test_suggested(self):
         """The error is that which was asked for, and is seen by end_error."""
@@ -80,7 +80,7 @@ class Solve(unittest.TestCase):
 
     def test_many_steps(self):
         """After 10,000 steps every k-th is kept, at even distances, and sol knows all between."""
-        result = tvi.solve(spring(), (0, 10000.05), [1], h=0.3, dense_output=True, compiled=False)
+        result = tvi.solve(spring(), (0, 10000.05), [1], p0=0, h=0.3, dense_output=True, compiled=False)
         self.assertTrue(5000 < len(result.t) <= 10002)
         self.assertLess(np.ptp(np.diff(result.t)[:-1]), 1e-9)
         self.right(result, 1e-8)
@@ -89,7 +89,7 @@ class Solve(unittest.TestCase):
         self.assertLess(np.abs(result.sol(t)[0][:, 0] - np.cos(t)).max(), 1e-8)
         rows, _solve.ROWS = _solve.ROWS, 10
         try:
-            few = tvi.solve(spring(), (0, 1000), [1], h=0.3, compiled=False)
+            few = tvi.solve(spring(), (0, 1000), [1], p0=0, h=0.3, compiled=False)
         finally:
             _solve.ROWS = rows
         self.assertEqual(few.t.round(6).tolist(), [*(np.arange(10) * 100.2).round(6), 1000])
@@ -105,42 +105,43 @@ class Solve(unittest.TestCase):
         for step in ({"h": 0.3}, {"tolerance": 1e-12}, {"error": 1e-12}):
             for more in ({}, {"t_eval": [1, 2]}, {"dense_output": True}):
                 with self.subTest(f"{step} {more}"):
-                    result = tvi.solve(spring(), (0, 18), [1], events=[zero, tvi.event(zero, -1)], **step, **more)
+                    result = tvi.solve(spring(), (0, 18), [1], p0=0, events=[zero, tvi.event(zero, -1)], **step, **more)
                     self.assertEqual([len(found.t) for found in result.events], [6, 3])
                     self.assertLess(np.abs(result.events[0].t - wanted).max(), 1e-10)
                     self.assertLess(np.abs(result.events[0].q).max(), 1e-10)
                     self.assertLess(np.abs(np.abs(result.events[0].p) - 1).max(), 1e-10)
                     last = tvi.event(zero, 1, terminal=True)
-                    ended = tvi.solve(spring(), (0, 18), [1], events=last, **step, **more)
+                    ended = tvi.solve(spring(), (0, 18), [1], p0=0, events=last, **step, **more)
                     self.assertEqual((ended.status, ended.success, len(ended.events[0].t)), (1, True, 1))
                     self.assertAlmostEqual(ended.t_end, 1.5 * np.pi, delta=1e-10)
                     self.assertIn("event 0 ended the run", ended.message)
-        soon = tvi.solve(spring(), (0, 1.55), [1], h=0.3, t_eval=[1], events=zero)
+        soon = tvi.solve(spring(), (0, 1.55), [1], p0=0, h=0.3, t_eval=[1], events=zero)
         self.assertEqual(len(soon.events[0].t), 0, "that at 1.57 is past the end, in the last step")
         zero.terminal, zero.direction = True, -1
-        self.assertAlmostEqual(tvi.solve(spring(), (0, 18), [1], h=0.3, events=zero).t_end, np.pi / 2, delta=1e-10)
+        soon = tvi.solve(spring(), (0, 18), [1], p0=0, h=0.3, events=zero)
+        self.assertAlmostEqual(soon.t_end, np.pi / 2, delta=1e-10)
         moving = tvi.event(lambda q, p, t, k: q[0] - k * t, terminal=True)
         system = tvi.potential(1, lambda q, k: q[0]**2 / 2, k=1.0)
         for k in (0.5, 1.0):
-            t = tvi.solve(system, (0, 18), [1], h=0.3, events=moving, k=k).t_end
+            t = tvi.solve(system, (0, 18), [1], p0=0, h=0.3, events=moving, k=k).t_end
             self.assertAlmostEqual(math.cos(t), k * t, delta=1e-10)
 
     def test_parameters(self):
         """Runs, steps and energies take the values of the run, not those of the recording."""
         system = tvi.potential(1, lambda q, w: w**2 * q[0]**2 / 2, w=1.0)
         for step in ({"h": 0.1}, {"error": 1e-10}, {"tolerance": 1e-12}):
-            result = tvi.solve(system, (0, 5), [1], w=2.0, dense_output=True, **step)
+            result = tvi.solve(system, (0, 5), [1], p0=0, w=2.0, dense_output=True, **step)
             self.assertLess(np.abs(result.q[:, 0] - np.cos(2 * result.t)).max(), 1e-9)
             self.assertAlmostEqual(result.energy[-1], 2.0, delta=1e-10)
             self.assertAlmostEqual(result.sol(3.21)[0][0], math.cos(6.42), delta=1e-9)
             self.assertLess(result.end_error(), 1e-8)
-        scaled = tvi.solve(system.rescaled(lambda q, p, w: (1 + q[0]**2) / w), (0, 5), [1], w=2.0, h=0.1)
+        scaled = tvi.solve(system.rescaled(lambda q, p, w: (1 + q[0]**2) / w), (0, 5), [1], p0=0, w=2.0, h=0.1)
         self.assertAlmostEqual(scaled.energy[-1], 2.0, delta=1e-10)
         self.assertAlmostEqual(scaled.q_end[0], math.cos(10), delta=1e-9)
-        slow = tvi.solve(system, (0, 1000), [1], error=1e-8).h
-        self.assertTrue(1.8 < slow / tvi.solve(system, (0, 500), [1], error=1e-8, w=2.0).h < 2.2)
+        slow = tvi.solve(system, (0, 1000), [1], p0=0, error=1e-8).h
+        self.assertTrue(1.8 < slow / tvi.solve(system, (0, 500), [1], p0=0, error=1e-8, w=2.0).h < 2.2)
         damped = system.driven(lambda q, v, c: -c * v, c=0.0)
-        end = tvi.solve(damped, (0, 5), [1], h=0.1, c=0.2, w=1.5).q_end[0]
+        end = tvi.solve(damped, (0, 5), [1], p0=0, h=0.1, c=0.2, w=1.5).q_end[0]
         w = math.sqrt(1.5**2 - 0.01)
         self.assertAlmostEqual(end, math.exp(-0.5) * (math.cos(5 * w) + 0.1 / w * math.sin(5 * w)), delta=1e-10)
 
@@ -151,7 +152,7 @@ class Solve(unittest.TestCase):
             self.assertEqual((result.status, result.success), (-1, False))
             self.assertIn("did not converge", result.message)
             self.assertTrue(0 < result.t_end < 40)
-        ball = tvi.solve(tvi.potential(1, lambda q: -1 / np.sqrt(q[0])), (0, 40), [1], tolerance=1e-10)
+        ball = tvi.solve(tvi.potential(1, lambda q: -1 / np.sqrt(q[0])), (0, 40), [1], p0=0, tolerance=1e-10)
         self.assertEqual(ball.status, -1)
         self.assertGreater(len(ball.t), 3)
 
@@ -166,11 +167,11 @@ class Solve(unittest.TestCase):
         try:
             self.assertFalse(_solve.code_of("auto", spring(), method, 1e10))
             with self.assertRaises(tvi.Error) as raised:
-                tvi.solve(spring(), (0, 1), [1], h=0.1, compiled=True)
+                tvi.solve(spring(), (0, 1), [1], p0=0, h=0.1, compiled=True)
             self.assertEqual(raised.exception.status, "ECOMPILE")
         finally:
             os.environ.pop("CC") if kept is None else os.environ.update(CC=kept)
-        result = tvi.solve(spring(), (0, 5), [1], h=0.001, compiled=True, method=method)
+        result = tvi.solve(spring(), (0, 5), [1], p0=0, h=0.001, compiled=True, method=method)
         self.assertTrue(result.stats.is_compiled)
         self.right(result, 1e-5)
 
@@ -187,17 +188,17 @@ class Many(unittest.TestCase):
         q0 = np.linspace([1], [2], 20)
         for step in ({"h": 0.3}, {"error": 1e-10}, {"tolerance": 1e-12}):
             with self.subTest(str(step)):
-                result = tvi.ensemble(spring(), (0, 10), q0, events=lambda q, p: q[0], threads=2, **step)
+                result = tvi.ensemble(spring(), (0, 10), q0, p0=0, events=lambda q, p: q[0], threads=2, **step)
                 self.assertLess(np.abs(result.q - q0 * math.cos(10)).max(), 1e-9)
                 self.assertEqual((result.success, set(result.status)), (True, {"OK"}))
                 self.assertEqual(np.bincount(result.events[0].member).tolist(), [3] * 20)
                 self.assertLess(np.abs(result.events[0].q).max(), 1e-9)
-        at = tvi.ensemble(spring(), (0, -10), q0, h=0.3, t_eval=[-1, -9.5], threads=2)
+        at = tvi.ensemble(spring(), (0, -10), q0, p0=0, h=0.3, t_eval=[-1, -9.5], threads=2)
         self.assertEqual(at.q.shape, (20, 2, 1))
         self.assertLess(np.abs(at.p[:, :, 0] - q0 * np.sin([1, 9.5])).max(), 1e-9)
         system = tvi.potential(1, lambda q, w: w**2 * q[0]**2 / 2, w=1.0)
         w = np.linspace(1, 3, 7)
-        many = tvi.ensemble(system, (0, 10), [1], w=w, error=1e-10)
+        many = tvi.ensemble(system, (0, 10), [1], p0=0, w=w, error=1e-10)
         self.assertLess(np.abs(many.q[:, 0] - np.cos(10 * w)).max(), 1e-9)
         self.assertLess(np.abs(many.orbits.energy() - w**2 / 2).max(), 1e-12)
         self.assertLess(np.abs(many.orbits.v - many.p).max(), 1e-15)
@@ -229,14 +230,14 @@ class Many(unittest.TestCase):
     def test_failing_members(self):
         """Members that fail, or that an event ends, leave the others alone; others go on after them."""
         system = tvi.potential(1, lambda q: -1 / np.sqrt(q[0]) + q[0]**2 / 2)
-        result = tvi.ensemble(system, (0, 30), [[2], [1.4], [1e-3]], h=0.1)
+        result = tvi.ensemble(system, (0, 30), [[2], [1.4], [1e-3]], p0=0, h=0.1)
         self.assertFalse(result.success)
         self.assertTrue(0 < (result.status != "OK").sum() < 4)
         end = tvi.event(lambda q, p: q[0], terminal=True)
         ended = tvi.ensemble(spring(), (0, 3), [[1], [2]], [[0], [5]], h=0.1, events=end)
         self.assertEqual((set(ended.status), ended.success), ({"ESTOPPED"}, True))
         self.assertTrue((ended.orbits.t < 3).all() and len(ended.events[0].t) == 2)
-        orbits = tvi.Ensemble(spring(), [[1], [2]])
+        orbits = tvi.Ensemble(spring(), [[1], [2]], p=0)
         self.assertFalse(orbits.run(h=0.1, steps=50, at_step=lambda member, step, *state: member == 1 and step == 3))
         self.assertEqual(orbits.status.tolist(), ["OK", "ESTOPPED"])
         self.assertAlmostEqual(orbits.t[1], 0.3)
@@ -259,8 +260,8 @@ class Many(unittest.TestCase):
         """Values of parameters travel, too, by their names."""
         system = tvi.potential(1, lambda q, k, c: (k * q[0]**2 + c[0] * q[0]**4 + c[1] * q[0]**6) / 2, k=1.0,
                                c=[0, 0.5])
-        one, other = tvi.Integrator(system, [1], k=2.0, c=[0.25, 0]), tvi.Integrator(system, [0])
-        orbits = tvi.Ensemble(system, [[1], [2]])
+        one, other = tvi.Integrator(system, [1], p=0, k=2.0, c=[0.25, 0]), tvi.Integrator(system, [0], p=0)
+        orbits = tvi.Ensemble(system, [[1], [2]], p=0)
         one.integrate(0.1, 7)
         other.from_text(one.to_text())
         orbits.member_from_text(1, one.to_text())
@@ -276,18 +277,18 @@ class Many(unittest.TestCase):
     def test_tangents(self):
         """The tangent map of the spring is its rotation, for an integrator and for members, and at events."""
         rotation = [[math.cos(1), math.sin(1)], [-math.sin(1), math.cos(1)]]
-        it, orbits = tvi.Integrator(spring(), [1]), tvi.Ensemble(spring(), [[1], [2]])
+        it, orbits = tvi.Integrator(spring(), [1], p=0), tvi.Ensemble(spring(), [[1], [2]], p=0)
         it.tangent = orbits.tangent = np.eye(2)
         it.integrate_to(0.3, 1), orbits.integrate_to(0.3, 1)
         self.assertLess(np.abs(it.tangent - rotation).max(), 1e-13)
         self.assertLess(np.abs(orbits.tangent - rotation).max(), 1e-13)
         there = []
-        it = tvi.Integrator(spring(), [1])
+        it = tvi.Integrator(spring(), [1], p=0)
         it.tangent = np.eye(2)
         it.run(h=0.3, t_end=3, events=lambda q, p: q[0], on_event=lambda *told: there.append(it.tangent.copy()))
         self.assertLess(np.abs(there[0] - [[0, 1], [-1, 0]]).max(), 1e-12)
         system = tvi.potential(1, lambda q, k: k * q[0]**2 / 2, k=1.0)
-        it = tvi.Integrator(system, [1])
+        it = tvi.Integrator(system, [1], p=0)
         it.tangent = [[0], [0], [1]]
         it.integrate_to(0.3, 2)
         self.assertAlmostEqual(it.tangent[0, 0], -math.sin(2), delta=1e-12)
@@ -295,9 +296,9 @@ class Many(unittest.TestCase):
     def test_chaos(self):
         """Exponents of what is known: a pendulum upside down, a spring, and orbits of Henon and Heiles."""
         hill = tvi.potential(1, lambda q, w: -w**2 * q[0]**2 / 2, w=1.0)
-        self.assertAlmostEqual(tvi.lyapunov(hill, (0, 50), [0], h=0.1), 1, delta=0.01)
-        self.assertAlmostEqual(tvi.lyapunov(hill, (0, 50), [0], h=0.1, w=2.0, every=7), 2, delta=0.02)
-        self.assertAlmostEqual(tvi.lyapunov(hill, (0, 50), [0], h=0.1, w0=[1, -1]), -1, delta=0.01)
+        self.assertAlmostEqual(tvi.lyapunov(hill, (0, 50), [0], p0=0, h=0.1), 1, delta=0.01)
+        self.assertAlmostEqual(tvi.lyapunov(hill, (0, 50), [0], p0=0, h=0.1, w=2.0, every=7), 2, delta=0.02)
+        self.assertAlmostEqual(tvi.lyapunov(hill, (0, 50), [0], p0=0, h=0.1, w0=[1, -1]), -1, delta=0.01)
         bowl = tvi.potential(2, lambda q: q @ q / 2 + q[0]**2 * q[1] - q[1]**3 / 3)
         q0, p0 = [[0.25, -0.25], [0.25, 0.375]], [[0.25, 0], [0.1875, 0]]
         values = tvi.megno(bowl, (0, 2000), q0, p0, h=0.5, threads=1)
@@ -313,7 +314,7 @@ class Many(unittest.TestCase):
         self.assertTrue(np.isnan(tvi.megno(kepler(), (0, 50), [[1, 0], [1e-9, 0]], [0, 1], h=0.1)[1]))
         for wrong in ({"w0": [0, 0]}, {"w0": [1]}, {"h": 0.1, "every": 0}):
             with self.assertRaises(ValueError):
-                tvi.lyapunov(hill, (0, 50), [0], **{"h": 0.1, **wrong})
+                tvi.lyapunov(hill, (0, 50), [0], p0=0, **{"h": 0.1, **wrong})
 
 
 if __name__ == "__main__":

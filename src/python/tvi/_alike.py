@@ -8,6 +8,7 @@ from typing import Any, Callable, Iterator, NamedTuple
 
 import numpy as np
 
+from ._arguments import required_system
 from ._library import Handle, check, ffi
 from ._methods import Method, method_of
 from ._systems import System
@@ -19,12 +20,8 @@ class Made:
     _handle: Handle
     _system: Handle
 
-    def _make_of(self, system: System, method: "str | Method", order: int, p: Any, v: Any) -> None:
-        if not isinstance(system, System):
-            raise TypeError(f"system is what tvi.potential and its like make, not {type(system).__name__}")
-        if p is not None and v is not None:
-            raise TypeError("give momenta or velocities, not both")
-        self._made_of = system, method_of(method, order)
+    def _make_of(self, system: System, method: "str | Method", order: int) -> None:
+        self._made_of = required_system(system), method_of(method, order)
 
     def __del__(self) -> None:
         for name in ("_handle", "_system"):  # Where making it failed, one of them is not there.

@@ -7,22 +7,23 @@ from typing import Any, Callable
 import numpy as np
 
 from ._alike import Busy, Made, Stats, encoded, saved, stats_of, values_in
-from ._arrays import Array, Doubles, integer, pointer, spread
+from ._arguments import answered, starts_of_many
+from ._arrays import MOST_STEPS, Array, Doubles, integer, pointer, spread
 from ._events import Recorded, events_of
 from ._library import ESTOPPED, Guard, Handle, Interrupted, STATUSES, apart, check, ffi, lib, make
 from ._methods import Compiled, Method, code_for
-from ._runs import MOST_STEPS, Course, Observers, Way, ended, new_plan
+from ._runs import Course, Observers, Way, ended, new_plan
 from ._systems import System, energies, transforms
 
 
 class Ensemble(Made):
     """Many orbits (members) of one system, that go on together.
 
-    q, p or v: [member, n], or [n] for all; t: a number or [member]. parameters: values of those of the system, one for
-    all or [member, ...]. threads: 0 for all cores. method, order, compiled: as for tvi.Integrator. `t` [member], `q`
-    and `p` [member, n] are the states, and may be changed between runs. `status` [member] has names: "OK", or that of
-    tvi.Error.status for a member that failed: it keeps its last good state, and the others go on; "ESTOPPED" where an
-    event or an observer ended its run. `tangent`: None, or [member, 2n + parameters, columns].
+    q, and p or v: [member, n], or [n] for all, 0 for rest; t: a number or [member]. parameters: values of those of the
+    system, one for all or [member, ...]. threads: 0 for all cores. method, order, compiled: as for tvi.Integrator. `t`
+    [member], `q` and `p` [member, n] are the states, and may be changed between runs. `status` [member] has names:
+    "OK", or that of tvi.Error.status for a member that failed: it keeps its last good state, and the others go on;
+    "ESTOPPED" where an event or an observer ended its run. `tangent`: None, or [member, 2n + parameters, columns].
 
     >>> import numpy as np, tvi
     >>> kepler = tvi.potential(2, lambda q: -1 / np.sqrt(q @ q))
@@ -33,15 +34,15 @@ class Ensemble(Made):
     ((100, 2), {'OK'})
     """
 
+    @answered
     def __init__(self, system: System, q: Array, p: Array = None, *, v: Array = None, t: Array = 0.0,
                  method: "str | Method" = "galerkin", order: int = 16, threads: int = 0,
                  compiled: "bool | Compiled" = False, members: int | None = None, **parameters: Any):
-        self._make_of(system, method, order, p, v)
+        self._make_of(system, method, order)
         n = system.n
-        given = [(q, 2), (p, 2), (v, 2), (t, 1)] + [(value, 1 + np.ndim(system.parameters.get(name, 0)))
-                                                    for name, value in parameters.items()]
-        counts = {len(x) for x, dimensions in given if x is not None and np.ndim(x) == dimensions}
-        count = integer("members", members or (max(counts) if counts else 1), 1)
+        members = None if members is None else integer("members", members, 1)
+        others = [(t, 1)] + [(value, 1 + np.ndim(system.parameters.get(name, 0))) for name, value in parameters.items()]
+        count, q, p, v = starts_of_many("q p v", system, members, q, p, v, others)
         self._members = count
         self._t, self._q, self._p = Doubles(count), Doubles(n, count), Doubles(n, count)
         self._status = ffi.new("tvi_status[]", count)
@@ -49,7 +50,7 @@ class Ensemble(Made):
         self._tangent: Doubles | None = None
         self._busy = Busy("ensemble")
         self._t.array[:] = spread("t", t, count)
-        self._q.array[:] = spread("q", q, count, n).T
+        self._q.array[:] = q.T
         values = system.values(parameters, count)
         options = ffi.new("tvi_options *", self.method._options[0])
         code = code_for(compiled, system, self.method)
@@ -63,10 +64,7 @@ class Ensemble(Made):
         self._values = np.tile(system.values({}), (1, count)).copy()
         if parameters:
             self._set(values)
-        if v is not None:
-            self._p.array[:] = self._each(lib.tvi_momentum, spread("v", v, count, n), "v").T
-        elif p is not None:
-            self._p.array[:] = spread("p", p, count, n).T
+        self._p.array[:] = (p if v is None else self._each(lib.tvi_momentum, v, "v")).T
 
     # ---- The states --------------------------------------------------------------------------------------------------
 
@@ -117,9 +115,9 @@ class Ensemble(Made):
             if value is None:
                 self._tangent = None
                 return
-            rows = 2 * self.system.n + self.system._count
+            rows = self.system.tangent_rows
             columns = np.shape(value)[-1] if np.ndim(value) > 1 else 0
-            given = spread("tangent", value, self.members, rows, columns)
+            given = spread("tangent", value, self.members, rows, columns, hint=self.system.tangent_hint)
             if columns < 1:
                 raise ValueError("tangent has no columns")
             self._tangent = Doubles(rows, columns, self.members)
@@ -186,6 +184,7 @@ class Ensemble(Made):
         """All members to t_end exactly; observers and the result as of run()."""
         return self.run(h=h, t_end=t_end, **observers)
 
+    @answered
     def run(self, *, h: float | None = None, steps: int | None = None, t_end: float | None = None, times: Array = None,
             tolerance: float | None = None, largest_step: float | None = None, events: Any = (),
             at_step: Callable | None = None, at_time: Callable | None = None, on_event: Callable | None = None,
@@ -198,7 +197,7 @@ class Ensemble(Made):
 
         >>> import numpy as np, tvi
         >>> spring = tvi.potential(1, lambda q, k: k * q[0]**2 / 2, k=1.0)
-        >>> springs = tvi.Ensemble(spring, [1], k=[1, 4])
+        >>> springs = tvi.Ensemble(spring, [1], p=0, k=[1, 4])
         >>> springs.run(h=0.1, t_end=np.pi)
         True
         >>> springs.q.round(9)
@@ -226,7 +225,7 @@ class Ensemble(Made):
         course = Course(way, plan, lambda: ESTOPPED if guard.thrown else call(), self._going_times, is_counted, **cuts)
         with self._busy.running():
             try:
-                return ended(course.run(), guard) and not self._codes.any()
+                return ended(course.run(), guard, self.system, way) and not self._codes.any()
             except KeyboardInterrupt:
                 raise Interrupted(f"interrupted at t from {self.t.min()} to {self.t.max()}", self) from None
 
@@ -271,7 +270,7 @@ class Ensemble(Made):
 
         >>> import tvi
         >>> spring = tvi.potential(1, lambda q: q[0]**2 / 2)
-        >>> springs, one = tvi.Ensemble(spring, [[1], [2]]), tvi.Integrator(spring, [0])
+        >>> springs, one = tvi.Ensemble(spring, [[1], [2]], p=0), tvi.Integrator(spring, [0], p=0)
         >>> one.from_text(springs.member_to_text(1))
         >>> springs.member_from_text(0, one.to_text())
         >>> springs.q.tolist()

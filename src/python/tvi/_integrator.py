@@ -7,22 +7,24 @@ from typing import Any, Callable
 import numpy as np
 
 from ._alike import Busy, Made, Stats, encoded, saved, stats_of, values_in
-from ._arrays import Array, Doubles, number, numbers, pointer
+from ._arguments import answered, start_of_one
+from ._arrays import Array, Doubles, number, numbers, pointer, step_size
 from ._events import Recorded, events_of
 from ._library import Guard, Handle, Interrupted, check, ffi, lib, make
 from ._methods import Compiled, Method, code_for, resolved
-from ._runs import Course, Observers, Way, ended, new_plan
+from ._runs import Course, Observers, Way, advice, ended, new_plan
 from ._systems import System, energies, transforms
 
 
 class Integrator(Made):
     """One orbit of a system, that goes on from step to step.
 
-    q, p or v: [n], the momenta or the velocities; neither: at rest. method, order: tvi.Method. compiled: True, or what
-    tvi.compile made. parameters: values of those of the system. `t`, `q` and `p` are the state, and may be changed
-    between steps; q and p are arrays [n] that its steps write to, so copy what you keep. `tangent`: None, or tangent
-    vectors [2n + parameters, columns], rows (dq, dp), that its steps move. An integrator is used by one thread at a
-    time, and pickles where its system does. Raises tvi.Error where the method does not serve the system.
+    q, and p or v: [n], the momenta or the velocities, one of them; p=0 or v=0: at rest. method, order: tvi.Method.
+    compiled: True, or what tvi.compile made. parameters: values of those of the system. `t`, `q` and `p` are the state,
+    and may be changed between steps; q and p are arrays [n] that its steps write to, so copy what you keep. `tangent`:
+    None, or tangent vectors [2n + parameters, columns], rows (dq, dp), that its steps move. An integrator is used by
+    one thread at a time, and pickles where its system does. Raises tvi.Error where the method does not serve the
+    system.
 
     >>> import numpy as np, tvi
     >>> kepler = tvi.potential(2, lambda q: -1 / np.sqrt(q @ q))
@@ -33,10 +35,12 @@ class Integrator(Made):
     4000.0 [ 0.256821 -0.685955] True
     """
 
+    @answered
     def __init__(self, system: System, q: Array, p: Array = None, *, v: Array = None, t: float = 0.0,
                  method: "str | Method" = "galerkin", order: int = 16, compiled: "bool | Compiled" = False,
                  **parameters: Any):
-        self._make_of(system, method, order, p, v)
+        self._make_of(system, method, order)
+        q, p, v = start_of_one("q p v", system, q, p, v)
         self._t, self._q, self._p = Doubles(1), Doubles(system.n), Doubles(system.n)
         self._tangent: Doubles | None = None
         self._busy = Busy("integrator")
@@ -53,9 +57,8 @@ class Integrator(Made):
         if parameters:
             self._set(values, parameters)
         if v is not None:
-            self.p = self.momentum(q, v)
-        elif p is not None:
-            self.p = p
+            p = self.momentum(q, v)
+        self.p = p
 
     # ---- The state ---------------------------------------------------------------------------------------------------
 
@@ -98,7 +101,7 @@ class Integrator(Made):
             if value is None:
                 self._tangent = None
                 return
-            given = numbers("tangent", value, 2 * self.system.n + self.system._count, None)
+            given = numbers("tangent", value, self.system.tangent_rows, None, hint=self.system.tangent_hint)
             if given.shape[1] < 1:
                 raise ValueError("tangent has no columns")
             self._tangent = Doubles(*given.shape)
@@ -114,7 +117,7 @@ class Integrator(Made):
 
         >>> import tvi
         >>> spring = tvi.potential(1, lambda q, k: k * q[0]**2 / 2, k=1.0)
-        >>> orbit = tvi.Integrator(spring, [1])
+        >>> orbit = tvi.Integrator(spring, [1], p=0)
         >>> orbit.set_parameters(k=4.0)
         >>> orbit.energy()
         2.0
@@ -149,7 +152,7 @@ class Integrator(Made):
         """The options of its method as they were resolved, such as the degree and the quadrature.
 
         >>> import tvi
-        >>> options = tvi.Integrator(tvi.potential(1, lambda q: q[0]**2), [1]).options
+        >>> options = tvi.Integrator(tvi.potential(1, lambda q: q[0]**2), [1], p=0).options
         >>> options["degree"], options["quadrature_points"], options["nodes"]
         (8, 8, 'on-curve')
         """
@@ -162,20 +165,21 @@ class Integrator(Made):
         the step. Raises tvi.Error, with the state as it was: EDOMAIN, ENOCONV, ESINGULAR, ENONFINITE, ETOOLARGE.
 
         >>> import numpy as np, tvi
-        >>> orbit = tvi.Integrator(tvi.potential(1, lambda q: q[0]**2 / 2), [1])
+        >>> orbit = tvi.Integrator(tvi.potential(1, lambda q: q[0]**2 / 2), [1], p=0)
         >>> orbit.tangent = np.eye(2)
         >>> orbit.step(0.1)
         >>> print(orbit.q.round(9), orbit.tangent.round(6).tolist())
         [0.995004165] [[0.995004, 0.099833], [-0.099833, 0.995004]]
         """
-        h = number("h", h)
+        h = step_size("h", h)
         with self._busy.running():
             state = self._t.pointer, self._q.pointer, self._p.pointer
             if self._tangent is None:
-                check(lib.tvi_step(self._handle.pointer, h, *state))
+                status = lib.tvi_step(self._handle.pointer, h, *state)
             else:
-                check(lib.tvi_step_tangent(self._handle.pointer, h, *state, self._tangent.pointer,
-                                           self._tangent.array.shape[1]))
+                status = lib.tvi_step_tangent(self._handle.pointer, h, *state, self._tangent.pointer,
+                                              self._tangent.array.shape[1])
+            check(status, advice(self.system))
 
     def integrate(self, h: float, steps: int, **observers: Any) -> bool:
         """So many steps of size h; observers and the result as of run()."""
@@ -190,7 +194,7 @@ class Integrator(Made):
         event or an observer stopped the run.
 
         >>> import tvi
-        >>> orbit = tvi.Integrator(tvi.potential(1, lambda q: q[0]**2 / 2), [1])
+        >>> orbit = tvi.Integrator(tvi.potential(1, lambda q: q[0]**2 / 2), [1], p=0)
         >>> orbit.integrate_at(0.5, [0, 1, 2])[0].round(6)
         array([[ 1.      ],
                [ 0.540302],
@@ -205,6 +209,7 @@ class Integrator(Made):
         """Steps of "taylor" to t_end exactly, as large as a relative tolerance allows; as run()."""
         return self.run(tolerance=tolerance, t_end=t_end, **observers)
 
+    @answered
     def run(self, *, h: float | None = None, steps: int | None = None, t_end: float | None = None, times: Array = None,
             tolerance: float | None = None, largest_step: float | None = None, events: Any = (),
             at_step: Callable | None = None, at_time: Callable | None = None,
@@ -220,7 +225,7 @@ class Integrator(Made):
         the run at the event.
 
         >>> import tvi
-        >>> orbit = tvi.Integrator(tvi.potential(1, lambda q: q[0]**2 / 2), [1])
+        >>> orbit = tvi.Integrator(tvi.potential(1, lambda q: q[0]**2 / 2), [1], p=0)
         >>> orbit.run(h=0.5, t_end=10, events=tvi.event(lambda q, p: q[0], terminal=True))
         False
         >>> round(orbit.t, 9)
@@ -248,7 +253,7 @@ class Integrator(Made):
                                                        self._p.pointer), lambda: self._t.array, is_counted, **cuts)
         with self._busy.running():
             try:
-                return ended(course.run(), guard)
+                return ended(course.run(), guard, self.system, way)
             except KeyboardInterrupt:
                 raise Interrupted(f"interrupted at t = {self.t}", self) from None
 
@@ -257,7 +262,7 @@ class Integrator(Made):
         between 0 and 1. Raises tvi.Error (EINVAL) before a step.
 
         >>> import tvi
-        >>> orbit = tvi.Integrator(tvi.potential(1, lambda q: q[0]**2 / 2), [1])
+        >>> orbit = tvi.Integrator(tvi.potential(1, lambda q: q[0]**2 / 2), [1], p=0)
         >>> orbit.step(1)
         >>> orbit.dense(0.5)[0].round(9)
         array([0.877582562])
@@ -280,7 +285,7 @@ class Integrator(Made):
 
         >>> import tvi
         >>> spring = tvi.potential(1, lambda q: q[0]**2 / 2)
-        >>> one, other = tvi.Integrator(spring, [1]), tvi.Integrator(spring, [0])
+        >>> one, other = tvi.Integrator(spring, [1], p=0), tvi.Integrator(spring, [0], p=0)
         >>> one.step(0.1)
         >>> other.load(one.save())
         >>> other.t, bool(other.q == one.q)
@@ -302,7 +307,7 @@ class Integrator(Made):
         p with their low-order parts, and the values of parameters.
 
         >>> import tvi
-        >>> print(tvi.Integrator(tvi.potential(1, lambda q: q[0]**2 / 2), [1]).to_text(), end="")
+        >>> print(tvi.Integrator(tvi.potential(1, lambda q: q[0]**2 / 2), [1], p=0).to_text(), end="")
         tvi state 1
         n 1
         parameters 0
@@ -321,7 +326,7 @@ class Integrator(Made):
 
         >>> import tvi
         >>> spring = tvi.potential(1, lambda q: q[0]**2 / 2)
-        >>> one, other = tvi.Integrator(spring, [1], method="taylor", order=12), tvi.Integrator(spring, [0])
+        >>> one, other = tvi.Integrator(spring, [1], p=0, method="taylor", order=12), tvi.Integrator(spring, [0], p=0)
         >>> one.step(0.1)
         >>> other.from_text(one.to_text())
         >>> other.t, bool(other.q == one.q), other.to_text() == one.to_text()
@@ -362,7 +367,7 @@ def peek(state: bytes) -> tuple[float, np.ndarray, np.ndarray]:
     damaged, or of an integrator before its first step.
 
     >>> import tvi
-    >>> orbit = tvi.Integrator(tvi.potential(1, lambda q: q[0]**2 / 2), [1])
+    >>> orbit = tvi.Integrator(tvi.potential(1, lambda q: q[0]**2 / 2), [1], p=0)
     >>> orbit.step(0.5)
     >>> t, q, p = tvi.peek(orbit.save())
     >>> t, bool(q == orbit.q)

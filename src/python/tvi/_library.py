@@ -58,7 +58,7 @@ lib = _load()
 
 STATUSES = ("OK", "EINVAL", "ENOMEM", "EDOMAIN", "ENOCONV", "ESINGULAR", "ENONFINITE", "ESTOPPED", "EUNSUPPORTED",
             "ETOOLARGE", "ECOMPILE")
-OK, EINVAL, ENOMEM, ESTOPPED = 0, 1, 2, 7
+OK, EINVAL, ENOMEM, ENOCONV, ESTOPPED, ETOOLARGE = 0, 1, 2, 4, 7, 9
 
 
 class Error(RuntimeError):
@@ -96,12 +96,12 @@ def name_of(status: int) -> str:
     return STATUSES[status] if 0 <= status < len(STATUSES) else str(status)
 
 
-def check(status: int) -> None:
-    """Raises what a status other than TVI_OK says."""
+def check(status: int, advice: str = "") -> None:
+    """Raises what a status other than TVI_OK says, and the advice where a step was too large."""
     if status == ENOMEM:
         raise MemoryError(text_of(status))
     if status != OK:
-        raise Error(text_of(status), name_of(status))
+        raise Error(text_of(status) + (advice if status in (ENOCONV, ETOOLARGE) else ""), name_of(status))
 
 
 # ---- Pointers that are owned -----------------------------------------------------------------------------------------

@@ -8,14 +8,15 @@ from typing import Any, Callable, Iterator
 import numpy as np
 
 from ._alike import Stats
-from ._arrays import Array, integer, number, numbers, spread
+from ._arguments import answered, starts_of_many
+from ._arrays import Array, integer, spread
 from ._ensemble import Ensemble
 from ._events import Found, events_of, found
 from ._library import Interrupted, check
-from ._methods import Compiled, Method, method_of, suggest_step, taylor_order
+from ._methods import Compiled, Method, method_to, suggest_step
 from ._recorder import Progress
-from ._runs import Course, Way, new_plan
-from ._solve import _times
+from ._runs import Course, Way, advice, new_plan
+from ._solve import _times, span_of, step_of, steps_of
 from ._systems import System
 
 
@@ -43,6 +44,7 @@ class EnsembleResult:
         return f"<tvi ensemble result: {self.message}>"
 
 
+@answered
 def ensemble(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array = None, h: float | None = None,
              error: float | None = None, tolerance: float | None = None, method: "str | Method" = "galerkin",
              order: int = 16, t_eval: Array = None, events: Any = (), threads: int = 0,
@@ -50,10 +52,10 @@ def ensemble(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Arr
              **parameters: Any) -> EnsembleResult:
     """Many orbits of one system from t_span[0] to t_span[1], on all cores.
 
-    q0, p0, v0: [member, n], or [n] for all. parameters: one value for all, or [member]. h, error, tolerance: as for
-    tvi.solve; of error the smallest step that tvi.suggest_step has for a member. A member has the same bits in every
-    ensemble and for every number of threads; one that fails keeps its last good state, and the others go on. Raises as
-    tvi.solve.
+    q0, and p0 or v0: [member, n], or [n] for all; 0: at rest. parameters: one value for all, or [member]. h, error,
+    tolerance: as for tvi.solve; of error the smallest step that tvi.suggest_step has for a member. A member has the
+    same bits in every ensemble and for every number of threads; one that fails keeps its last good state, and the
+    others go on. Raises as tvi.solve.
 
     >>> import numpy as np, tvi
     >>> kepler = tvi.potential(2, lambda q: -1 / np.sqrt(q @ q))
@@ -62,23 +64,28 @@ def ensemble(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Arr
     >>> orbits.q.shape, np.bincount(orbits.events[0].member)
     ((5, 2), array([7, 4, 3, 2, 2]))
     """
-    t, t_end = numbers("t_span", t_span, 2)
-    if sum(x is not None for x in (h, error, tolerance)) > 1:
-        raise TypeError("give h, error or tolerance, one of them")
-    times, several, method = _times(t_eval, t, t_end), events_of(events), method_of(method, order)
-    if tolerance is not None and method.name == "galerkin":
-        method = Method("taylor", max(2, taylor_order(tolerance)))
+    t, t_end = span_of(system, t_span)
+    h, error, tolerance = steps_of(system, t_end - t, h, error, tolerance)
+    times, several = _times(t_eval, t, t_end), events_of(events)
+    method = method_to(tolerance, system, method, order)
     if tolerance is not None and times is not None:
         raise ValueError("a run to a tolerance has no t_eval in an ensemble: give h or error")
-    orbits = Ensemble(system, q0, p0, v=v0, t=t, method=method, threads=threads, compiled=compiled, **parameters)
+    orbits = _orbits(system, q0, p0, v0, parameters, t=t, method=method, threads=threads, compiled=compiled)
     seen = None
     if tolerance is None:
         if h is None:
-            h, seen = _smallest_step(orbits, parameters, t_end - t, 1e-9 if error is None else error, method)
-        h = math.copysign(number("h", h), t_end - t)
+            h, seen = _smallest_step(orbits, parameters, t_end - t, error, method)
+            h = math.copysign(h, t_end - t)
     result = EnsembleResult(orbits, np.array([t_end]) if times is None else times, h or math.nan, seen)
     _run(orbits, result, times, t_end, tolerance, several, Progress(progress, t, t_end))
     return result
+
+
+def _orbits(system: System, q0: Array, p0: Array, v0: Array, parameters: dict[str, Any], **options: Any) -> Ensemble:
+    """The ensemble of a start, whose arguments are called as those of the functions here."""
+    others = [(value, 1 + np.ndim(system.parameters.get(name, 0))) for name, value in parameters.items()]
+    members, q0, p0, v0 = starts_of_many("q0 p0 v0", system, None, q0, p0, v0, others)
+    return Ensemble(system, q0, p0, v=v0, members=members, **options, **parameters)
 
 
 def _smallest_step(orbits: Ensemble, parameters: dict[str, Any], duration: float, error: float,
@@ -117,7 +124,7 @@ def _run(orbits: Ensemble, result: EnsembleResult, times: np.ndarray | None, t_e
     try:
         orbits._go(way, events, functions, after=lambda steps: progress.at(float(np.mean(orbits.t))))
         failed = int(np.sum(~np.isin(orbits.status, ("OK", "ESTOPPED"))))
-        result.message = f"{members} members, {failed} failed."
+        result.message = f"{members} members, {failed} failed{_why(orbits, way)}."
     except Interrupted:
         result.message = f"interrupted at t from {orbits.t.min()} to {orbits.t.max()}"
         raise Interrupted(result.message, result) from None
@@ -128,6 +135,12 @@ def _run(orbits: Ensemble, result: EnsembleResult, times: np.ndarray | None, t_e
         result.events = found([row for row in told if sign * row[2] <= sign * t_end], n, len(events))
         result.q, result.p = (orbits.q.copy(), orbits.p.copy()) if times is None else (q, p)
         result.status, result.stats = orbits.status, orbits.stats
+
+
+def _why(orbits: Ensemble, way: Way) -> str:
+    """What to do about members whose steps were too large."""
+    is_too_large = np.isin(orbits.status, ("ENOCONV", "ETOOLARGE")).any()
+    return advice(orbits.system, way) if is_too_large else ""
 
 
 # ---- Order and chaos -------------------------------------------------------------------------------------------------
@@ -162,11 +175,12 @@ def _growth(orbits: Ensemble, h: float, t_end: float, every: int, w0: Array) -> 
 def _chaos(system: System, t_span: Array, q0: Array, p0: Array, v0: Array, h: float, method: Any, order: int,
            every: int, w0: Array, threads: int, parameters: dict[str, Any], add: Callable) -> Any:
     """The value of each member after add(t, ln) was called for all steps; a number where q0 is one state."""
-    t, t_end = numbers("t_span", t_span, 2)
+    t, t_end = span_of(system, t_span)
+    h = step_of(system, t_end - t, h)
     if t == t_end:
         raise ValueError("t_span has no length")
-    orbits = Ensemble(system, q0, p0, v=v0, t=t, method=method, order=order, threads=threads, **parameters)
-    h, value = math.copysign(number("h", h), t_end - t), np.full(orbits.members, np.nan)
+    orbits = _orbits(system, q0, p0, v0, parameters, t=t, method=method, order=order, threads=threads)
+    value = np.full(orbits.members, np.nan)
     try:
         for times, logarithms in _growth(orbits, h, t_end, integer("every", every, 1), w0):
             with np.errstate(all="ignore"):  # of members that fail in their first step
@@ -178,19 +192,20 @@ def _chaos(system: System, t_span: Array, q0: Array, p0: Array, v0: Array, h: fl
     return float(value[0]) if is_one else value
 
 
+@answered
 def lyapunov(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array = None, *, h: float,
              method: "str | Method" = "galerkin", order: int = 16, every: int = 1, w0: Array = None, threads: int = 0,
              **parameters: Any) -> Any:
     """The largest Lyapunov exponent over t_span, ln(d / d_0) / t of a tangent vector: falls like ln(t) / t on regular
     orbits.
 
-    q0, p0, v0: [n] for a number, [member, n] for [member]; nan where a member failed. h: the step. The vector starts
-    along w0 [2n], (dq, dp), and is brought back to length 1 after every so many steps; its length is that of (dq, dv),
-    dv = dp / m. None: all of these are 1.
+    q0, and p0 or v0: [n] for a number, [member, n] for [member], 0 for rest; nan where a member failed. h: the step.
+    The vector starts along w0 [2n], (dq, dp), and is brought back to length 1 after every so many steps; its length is
+    that of (dq, dv), dv = dp / m. None: all of these are 1.
 
     >>> import tvi
     >>> spring = tvi.potential(1, lambda q: q[0]**2 / 2)
-    >>> abs(tvi.lyapunov(spring, (0, 100), [1], h=0.5)) < 0.01
+    >>> abs(tvi.lyapunov(spring, (0, 100), [1], p0=0, h=0.5)) < 0.01
     True
     """
     total = 0.0
@@ -203,6 +218,7 @@ def lyapunov(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Arr
     return _chaos(system, t_span, q0, p0, v0, h, method, order, every, w0, threads, parameters, add)
 
 
+@answered
 def megno(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array = None, *, h: float,
           method: "str | Method" = "galerkin", order: int = 16, every: int = 1, w0: Array = None, threads: int = 0,
           **parameters: Any) -> Any:
@@ -211,7 +227,7 @@ def megno(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
 
     >>> import numpy as np, tvi
     >>> pendulum = tvi.potential(1, lambda q: -np.cos(q[0]))
-    >>> 1.5 < tvi.megno(pendulum, (0, 1000), [1], h=0.5) < 2.2
+    >>> 1.5 < tvi.megno(pendulum, (0, 1000), [1], p0=0, h=0.5) < 2.2
     True
     """
     before, sums, mean = 0.0, 0.0, 0.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import Any
 
-from ._arrays import Array, integer, number, numbers, pointer
+from ._arrays import Array, fraction, integer, number, numbers, pointer
 from ._library import Handle, apart, check, ffi, lib, make
 from ._systems import System
 
@@ -16,6 +16,7 @@ _WORDS = {
     "method": ("type-1", "type-2", "type-3", "poincare", "taylor", "stormer-verlet"),
     "quadrature": ("auto", "gauss", "lobatto", "trapezoid", "rectangle-start", "rectangle-end"),
 }
+DEFAULT_ORDER = 16  # where a function has the argument order, and none is given
 _NUMBERS = ("degree", "quadrature_points", "passes", "max_passes", "tolerance", "max_tail", "compose_adjoint")
 
 
@@ -79,7 +80,25 @@ def _method_again(name: str, order: int, options: dict[str, Any]) -> Method:
 
 
 def method_of(method: "str | Method", order: int) -> Method:
-    return method if isinstance(method, Method) else Method(method, order)
+    if not isinstance(method, Method):
+        return Method(method, order)
+    if order not in (DEFAULT_ORDER, method.order):
+        raise TypeError(f"order = {order} beside {method!r}, which has its own")
+    return method
+
+
+def method_to(tolerance: float | None, system: System, method: "str | Method", order: int) -> Method:
+    """The method of a run, which to a tolerance is "taylor", of the order that suits it where none is named."""
+    if tolerance is None:
+        return method_of(method, order)
+    if system.is_rescaled:
+        raise ValueError("a tolerance is for systems that are not rescaled: give h or error")
+    if (method, order) == ("galerkin", DEFAULT_ORDER):
+        return Method("taylor", max(2, taylor_order(tolerance)))
+    found = method_of(method, order)
+    if found.name != "taylor":
+        raise ValueError(f"a tolerance is for method=\"taylor\", not for {found!r}: give h or error")
+    return found
 
 
 def taylor_order(tolerance: float) -> int:
@@ -88,10 +107,7 @@ def taylor_order(tolerance: float) -> int:
     >>> taylor_order(1e-10)
     13
     """
-    order = lib.tvi_taylor_order(number("tolerance", tolerance))
-    if order == 0:
-        raise ValueError(f"tolerance = {tolerance} is not from 2.2e-16 to below 1")
-    return order
+    return lib.tvi_taylor_order(fraction("tolerance", tolerance))
 
 
 def suggest_step(system: System, t: float, q: Array, p: Array, duration: float, error: float,
@@ -111,7 +127,7 @@ def suggest_step(system: System, t: float, q: Array, p: Array, duration: float, 
     """
     options = method_of(method, order)._options
     q, p = numbers("q", q, system.n), numbers("p", p, system.n)
-    t, duration, error = number("t", t), number("duration", duration), number("error", error)
+    t, duration, error = number("t", t), number("duration", duration), fraction("error", error)
     h, seen = ffi.new("double *"), ffi.new("double *")
 
     def call() -> None:
@@ -135,6 +151,9 @@ class Compiled:
     def __del__(self) -> None:
         if handle := self.__dict__.get("_handle"):
             handle.release(self)
+
+    def __repr__(self) -> str:
+        return "<tvi compiled system>"
 
 
 def compile(system: System, method: "str | Method" = "galerkin", order: int = 16, *, compiler: str | None = None,
@@ -184,8 +203,4 @@ def code_for(compiled: "bool | Compiled", system: System, method: Method) -> Com
         return compiled
     if not isinstance(compiled, bool):
         raise TypeError(f"compiled is True, False or what tvi.compile made, not {compiled!r}")
-    if not compiled:
-        return None
-    if method.options:
-        raise ValueError("compiled=True is for methods by name; give compiled=tvi.compile(system, method)")
-    return compile(system, method)
+    return compile(system, method) if compiled else None

@@ -13,11 +13,11 @@ from typing import Any, Callable
 
 import numpy as np
 
-from ._arrays import copied, integer, number, numbers, pointer
+from ._arrays import MOST_STEPS, copied, fraction, integer, number, numbers, pointer, step_size
 from ._library import ESTOPPED, OK, Guard, check, ffi
+from ._systems import System
 
 PIECE = 0.05  # seconds of a call
-MOST_STEPS = 2**63 - 1
 
 
 class Way:
@@ -32,17 +32,13 @@ class Way:
                             else "a run to a tolerance takes t_end")
         if largest_step is not None and tolerance is None:
             raise TypeError("largest_step is for runs to a tolerance")
-        self.h = 0.0 if h is None else number("h", h)
-        if h is not None and self.h == 0:
-            raise ValueError("h = 0")
+        self.h = 0.0 if h is None else step_size("h", h)
         self.steps = None if steps is None else integer("steps", steps, 0, MOST_STEPS)
         self.t_end = None if t_end is None else number("t_end", t_end)
         self.times = None if times is None else numbers("times", times, None)
         if self.times is not None and len(self.times) > 2**31 - 1:
             raise ValueError("a list has at most 2147483647 times")
-        self.tolerance = None if tolerance is None else number("tolerance", tolerance)
-        if tolerance is not None and self.tolerance == 0:
-            raise ValueError("tolerance = 0")
+        self.tolerance = None if tolerance is None else fraction("tolerance", tolerance)
         self.largest_step = 0.0 if largest_step is None else number("largest_step", largest_step)
 
 
@@ -172,7 +168,9 @@ class Course:
 
     def _steps_before(self, t: float) -> int:
         """How many steps of each member surely end before t: all but the last ones, of which roundoff decides."""
-        rest = float(np.min((t - self._now()) / self._way.h, initial=np.inf))
+        left = t - self._now()
+        step_size("h", self._way.h, float(np.max(np.abs(left), initial=0.0)))
+        rest = float(np.min(left / self._way.h, initial=np.inf))
         if rest == np.inf:  # No member goes on.
             return 0
         return int(min(math.floor(rest) - 1, 2**53)) if rest > 2 else 0
@@ -202,10 +200,17 @@ class Course:
         return status
 
 
-def ended(status: int, guard: Guard) -> bool:
+def advice(system: System, way: "Way | None" = None) -> str:
+    """What to do where a step was too large, as the end of a text."""
+    if way is not None and way.tolerance is not None:
+        return ": end the run before that by a terminal event"
+    return ": give a smaller h or error" + (", or system.rescaled()" if system.can_be_rescaled else "")
+
+
+def ended(status: int, guard: Guard, system: System, way: Way) -> bool:
     """Whether a run went to its end; what observers have raised, and what the library refused, is raised."""
     guard.reraise()
     if status == ESTOPPED:
         return False
-    check(status)
+    check(status, advice(system, way))
     return True

@@ -19,6 +19,9 @@ class Solution:
         self._way, self._t_end = way, t_end
         self._t, self._q, self._p = states
 
+    def __repr__(self) -> str:
+        return f"<tvi solution: sol(t) is q and p at t from {self._t[0]} to {self._t_end}>"
+
     def __call__(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
         times = np.atleast_1d(numbers("t", t, *[None] * np.ndim(t)))
         sign = 1.0 if self._t[-1] >= self._t[0] else -1.0
@@ -28,7 +31,7 @@ class Solution:
         q, p = np.empty((len(times), n)), np.empty((len(times), n))
         before = np.searchsorted(sign * self._t, sign * times, side="right") - 1
         system, method, parameters = self._arguments
-        integrator = Integrator(system, self._q[0], method=method, **parameters)
+        integrator = Integrator(system, self._q[0], self._p[0], method=method, **parameters)
         for row in np.unique(before):
             here = np.flatnonzero(before == row)
             here = here[np.argsort(sign * times[here], kind="stable")]

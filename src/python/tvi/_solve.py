@@ -11,11 +11,12 @@ from typing import Any, Callable
 import numpy as np
 
 from ._alike import Stats
-from ._arrays import Array, number, numbers
+from ._arguments import answered, required_system, start_of_one
+from ._arrays import Array, fraction, numbers, step_size
 from ._events import Found, Recorded, events_of, found
 from ._integrator import Integrator
 from ._library import Error, Interrupted
-from ._methods import Compiled, Method, compile, method_of, suggest_step, taylor_order
+from ._methods import Compiled, Method, compile, method_to, suggest_step
 from ._recorder import ROWS, Progress, Recorder
 from ._runs import Way
 from ._solution import Dense, Solution
@@ -128,7 +129,7 @@ class Run:
                               **cuts)
             self.result.status = 0 if is_whole else 1
         except Error as error:
-            self.result.status, self.result.message = -1, f"a step was refused at t = {it.t}: {error}"
+            self.result.status, self.result.message = -1, f"a step was refused at t = {it.t}: {error}."
         except KeyboardInterrupt:
             self.result.status, self.result.message = -2, f"interrupted at t = {it.t}"
             raise
@@ -183,11 +184,12 @@ class Run:
             result.sol = Solution(it, self.way, recorded, result.t_end)
 
 
+@answered
 def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array = None, h: float | None = None,
           error: float | None = None, tolerance: float | None = None, method: "str | Method" = "galerkin",
           order: int = 16, t_eval: Array = None, events: Any = (), dense_output: bool = False,
           compiled: "bool | str | Compiled" = "auto", progress: "bool | Callable" = False, **parameters: Any) -> Result:
-    """A run from t_span[0] to t_span[1], either way, from q0 and p0 or v0, [n] each; neither: at rest.
+    """A run from t_span[0] to t_span[1], either way, from q0 [n], and p0 or v0 [n], one of them; 0: at rest.
 
     The step: h (of a rescaled system in s); or error, the wanted error of the state at the end, for which h is chosen
     by tvi.suggest_step (Result.seen says which part of the run it has looked at); or tolerance, with "taylor", of the
@@ -210,25 +212,22 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
     >>> print(orbit.status, orbit.q[-1].round(6), abs(np.ptp(orbit.energy)) < 1e-13)
     0 [ 0.256821 -0.685955] True
     """
-    t, t_end = numbers("t_span", t_span, 2)
-    if sum(x is not None for x in (h, error, tolerance)) > 1:
-        raise TypeError("give h, error or tolerance, one of them")
+    t, t_end = span_of(system, t_span)
+    h, error, tolerance = steps_of(system, t_end - t, h, error, tolerance)
     times = _times(t_eval, t, t_end)
     several = events_of(events)
-    method = method_of(method, order)
-    if tolerance is not None and method.name == "galerkin":
-        method = Method("taylor", max(2, taylor_order(tolerance)))
+    method = method_to(tolerance, system, method, order)
+    q0, p0, v0 = start_of_one("q0 p0 v0", system, q0, p0, v0)
     it = Integrator(system, q0, p0, v=v0, t=t, method=method, **parameters)
     seen, steps = None, math.nan
     if tolerance is None:
         if h is None:
-            h, seen = (suggest_step(system.recorded_with(parameters), t, it.q, it.p, t_end - t,
-                                    1e-9 if error is None else error, method) if t != t_end else (1.0, 1.0))
-        h = math.copysign(number("h", h), t_end - t)
+            h, seen = (suggest_step(system.recorded_with(parameters), t, it.q, it.p, t_end - t, error, method)
+                       if t != t_end else (1.0, 1.0))
         steps = expected_steps(it, h, t_end)
     if code := code_of(compiled, system, method, steps):
         it = Integrator(system, it.q, it.p, t=t, method=method, compiled=code, **parameters)
-    way = {"h": h} if tolerance is None else {"tolerance": number("tolerance", tolerance)}
+    way = {"h": h} if tolerance is None else {"tolerance": tolerance}
     result = Result(it, way, h or math.nan, seen)
     run = Run(it, result, way, t_end, progress)
     if times is None or dense_output:
@@ -240,8 +239,32 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
     finally:
         if not dense_output:
             result.sol = None
-    result.message = result.message or _message(result, several)
+    result.message = (result.message or _message(result, several)) + _part_seen(result)
     return result
+
+
+def span_of(system: System, t_span: Array) -> tuple[float, float]:
+    """t and t_end."""
+    required_system(system)
+    t, t_end = numbers("t_span", t_span, 2, hint="it is (t, t_end), and stands before q0")
+    return float(t), float(t_end)
+
+
+def steps_of(system: System, duration: float, h: Any, error: Any, tolerance: Any) -> tuple:
+    """Of h, error and tolerance the one that is given, as a number; the others are None. None is given: an error of
+    1e-9."""
+    given = [x is not None for x in (h, error, tolerance)]
+    if sum(given) > 1:
+        raise TypeError("give h, error or tolerance, one of them")
+    if h is not None:
+        h = step_of(system, duration, h)
+    error = fraction("error", error) if error is not None else None if any(given) else 1e-9
+    return h, error, None if tolerance is None else fraction("tolerance", tolerance)
+
+
+def step_of(system: System, duration: float, h: Any) -> float:
+    """h as a number, with the sign of the duration. Of a rescaled system h is in s."""
+    return math.copysign(step_size("h", h, 0.0 if system.is_rescaled else duration), duration)
 
 
 def _times(t_eval: Array, t: float, t_end: float) -> np.ndarray | None:
@@ -271,7 +294,7 @@ def code_of(compiled: Any, system: System, method: Method, steps: float) -> "boo
     """Whether a run of so many steps is compiled. The clock is not asked: runs have the same bits each time."""
     if compiled != "auto":
         return compiled
-    compiler = (os.environ.get("CC") or "cc").split()
+    compiler = os.environ.get("CC", "").split() or ["cc"]
     gains = steps * system.n * WEIGHT.get(method.name, 10) >= GAINS_FROM  # never where the steps are not known: nan
     if not gains or not shutil.which(compiler[0]):
         return False
@@ -291,6 +314,10 @@ def _message(result: Result, events: list) -> str:
         text = f"the end was reached, t = {result.t_end}."
     if result.stats.largest_tail > 0.1:
         text += f" The step is too large: its tail is {result.stats.largest_tail:.1g}, and 0.01 is right."
-    if result.seen is not None and result.seen < 1:
-        text += f" {100 * result.seen:.2g} % of the run were looked at to choose the step."
     return text
+
+
+def _part_seen(result: Result) -> str:
+    """What may be doubted of a step that was chosen."""
+    is_part = result.seen is not None and result.seen < 1
+    return f" {100 * result.seen:.2g} % of the run were looked at to choose the step." if is_part else ""
