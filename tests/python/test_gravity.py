@@ -231,7 +231,7 @@ class Orbits(unittest.TestCase):
                 (tvi.Error, "EINVAL", "orbit: f = 2.2 is not within the asymptotes", lambda: orbit(q=1, e=2, f=2.2)),
                 (tvi.Error, "ENONFINITE", "orbit: time = .* too large", lambda: orbit(q=1e-300, e=1, time=1e300)),
                 (ValueError, None, "^q = inf is not finite", lambda: orbit(q=math.inf)),
-                (ValueError, None, r"^a\[1\]\[0\] = nan is not", lambda: orbit(a=[[1], [math.nan]])),
+                (ValueError, None, r"^a\[1, 0\] = nan is not", lambda: orbit(a=[[1], [math.nan]])),
                 (ValueError, None, "^M = nan is not finite", lambda: orbit(a=1, M=math.nan)),
                 (ValueError, None, "shape mismatch", lambda: orbit(q=[1, 2], e=[1, 2, 3])),
                 (TypeError, None, "f has real numbers", lambda: orbit(q=1, f=[None, 1])),

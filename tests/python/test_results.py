@@ -209,8 +209,8 @@ class Many(unittest.TestCase):
             for count in 10, 100, 1000:
                 times = np.linspace(0, 10, count)
                 with self.subTest(f"{system!r}, {count}"):
-                    many = tvi.ensemble(system, (0, 10), [[1.0], [2.0]], h=0.5, t_eval=times, threads=2)
-                    alone = tvi.solve(system, (0, 10), [2.0], h=0.5, t_eval=times, compiled=False)
+                    many = tvi.ensemble(system, (0, 10), [[1.0], [2.0]], 0, h=0.5, t_eval=times, threads=2)
+                    alone = tvi.solve(system, (0, 10), [2.0], 0, h=0.5, t_eval=times, compiled=False)
                     self.assertEqual(set(many.status), {"OK"})
                     self.assertTrue(same_bits(many.q[1], alone.q) and same_bits(many.p[1], alone.p))
 

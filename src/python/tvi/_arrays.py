@@ -68,10 +68,10 @@ def _floats(name: str, value: Any, may_be_infinite: bool = False) -> np.ndarray:
             kind = array.dtype if array.dtype.kind != "O" else type(value).__name__
             raise TypeError(f"{name} has real numbers, not {kind}") from None
     array = np.array(array, dtype=np.float64, order="C")
-    wrong = np.isnan(array) if may_be_infinite else ~np.isfinite(array)
-    if wrong.any():
-        where = "".join(f"[{i}]" for i in np.argwhere(wrong)[0])
-        raise ValueError(f"{name}{where} = {array[wrong][0]} is not finite")
+    bad = np.argwhere(np.isnan(array) if may_be_infinite else ~np.isfinite(array))
+    if len(bad):
+        place = ", ".join(map(str, bad[0]))
+        raise ValueError(f"{name}{place and f'[{place}]'} = {array[tuple(bad[0])]} is not finite")
     return array
 
 
