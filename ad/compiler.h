@@ -81,14 +81,6 @@
 #define JET_UNROLLED
 #endif
 
-/* Has gcc look for vectors among statements that stand outside of loops, in the following functions. The flags of
- * generated code (Makefile) switch this off elsewhere, since most generated code has explicit vectors. */
-#if defined(__GNUC__) && !defined(__clang__)
-#define JET_SIDE_BY_SIDE JET_PRAGMA(GCC optimize("tree-slp-vectorize"))
-#else
-#define JET_SIDE_BY_SIDE
-#endif
-
 /* Tells whether the compiler knows a number as a constant. */
 #define JET_KNOWS(number) __builtin_constant_p(number)
 

@@ -7,9 +7,8 @@
 #ifndef TVI_AD_DEVICES_H
 #define TVI_AD_DEVICES_H
 
-#define JET_DEVICE_PAD   1 /* Runs are padded to whole vectors: tape_pad.c, chosen in tape.c. */
-#define JET_DEVICE_TERMS 2 /* A sum of products is one operation: lowering.c. */
-#define JET_DEVICE_SPLIT 4 /* Generated code has runs of one operation: tape_split.c, chosen in emit.c. */
+#define JET_DEVICE_TERMS 1 /* A sum of products is one operation: lowering.c. */
+#define JET_DEVICE_SPLIT 2 /* Generated code has runs of one operation: tape_split.c, chosen in emit.c. */
 
 #ifdef TVI_PLAIN
 #define JET_WITHOUT (~0)

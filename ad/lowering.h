@@ -1,6 +1,6 @@
-/* lowering.h - Declares two steps of the translation of a graph, which records a function, to a tape, which computes it
- * (docs/jets.md, section 2). The first step gives each node a slot, its place in the numbers on which the tape works.
- * The second step lengthens runs, which are loops over equal operations, to whole vectors. tape.c calls both. */
+/* lowering.h - Declares the first step of the translation of a graph, which records a function, to a tape, which
+ * computes it (docs/jets.md, section 2): it gives each node a slot, its place in the numbers on which the tape works.
+ * tape.c calls it. */
 #ifndef TVI_AD_LOWERING_H
 #define TVI_AD_LOWERING_H
 
@@ -42,15 +42,6 @@ typedef struct {
 /* Chooses the nodes that the outputs depend on, the operations that compute them, and their slots. The first
  * `input_count` inputs of the graph get slots even if no output depends on them. */
 void jet_assign_slots(graph_lowering *lowering, int input_count, int output_count, const jet output[]);
-
-/* Lengthens the runs of a tape to whole vectors of eight (tape_pad.c). Repeats the last operation of each run whose
- * length is just below a multiple of eight, on tapes with runs of eight operations or more. Sweeps process a run in
- * vectors, and the three short vectors at its end (4, 2, 1) take as long together as three whole ones. The operands
- * of the repeated operations are copied, too. Nothing reads the repeated results, whose adjoints are therefore 0.
- * Runs of whole vectors begin at slots that are multiples of eight, and the number of slots becomes a multiple of
- * eight. Slots between two runs may stay empty, and are never read. Returns false if memory is lacking; the tape is
- * then unchanged. */
-bool jet_pad_runs_to_whole_vectors(jet_tape *tape);
 
 /* Tells whether the tape needs the auxiliary series of z, as all tapes of series do. */
 static inline bool must_compute_auxiliary_series(const graph_lowering *lowering, const struct jet_node *z)

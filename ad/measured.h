@@ -11,8 +11,6 @@
 
 /* ---- Tapes: make devices ----------------------------------------------------------------------------------------- */
 
-/* [operations] A run is padded to whole vectors of 8 if its last vector has more than this many operations. */
-#define TAPE_PAD_MAX_UNPADDED_REST 4
 /* [1] Powers with exponents k/4 or k/2 up to this size are products and square roots, not calls of pow (suite
  * elementary of build/check/ad). */
 #define TAPE_POWER_MAX_EXPONENT 8

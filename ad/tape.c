@@ -165,8 +165,8 @@ static bool allocate_lowering_and_tape(graph_lowering *lowering, jet_tape *tape,
            tape->output_slot && tape->recorded_operation_number_of_slot;
 }
 
-/* Lowers the graph to the tape, whose arrays are allocated. Returns false if memory is lacking. */
-static bool lower_graph_to_tape(graph_lowering *lowering, jet_tape *tape, int input_count, int output_count,
+/* Lowers the graph to the tape, whose arrays are allocated. */
+static void lower_graph_to_tape(graph_lowering *lowering, jet_tape *tape, int input_count, int output_count,
                                 const jet output[])
 {
     jet_assign_slots(lowering, input_count, output_count, output);
@@ -178,7 +178,6 @@ static bool lower_graph_to_tape(graph_lowering *lowering, jet_tape *tape, int in
     tape->output_count = output_count;
     tape->used_node_count = lowering->used_node_count;
     for (int i = 0; i < output_count; i++) tape->output_slot[i] = node_slot(lowering, output[i].node);
-    return !JET_HAS(PAD) || lowering->tape_kind != JET_TAPE_SERIES || jet_pad_runs_to_whole_vectors(tape);
 }
 
 jet_tape *jet_tape_create(const jet_graph *graph, int input_count, int output_count, const jet output[],
@@ -188,8 +187,8 @@ jet_tape *jet_tape_create(const jet_graph *graph, int input_count, int output_co
     if (!tape) return NULL;
     tape->sweeps = tape->interpreter_sweeps = jet_choose_sweeps_for_processor();
     graph_lowering lowering = {.graph = graph, .tape_kind = kind, .node_count = jet_graph_node_count(graph)};
-    const bool is_made = allocate_lowering_and_tape(&lowering, tape, output_count) &&
-                         lower_graph_to_tape(&lowering, tape, input_count, output_count, output);
+    const bool is_made = allocate_lowering_and_tape(&lowering, tape, output_count);
+    if (is_made) lower_graph_to_tape(&lowering, tape, input_count, output_count, output);
     free(lowering.is_node_needed);
     free(lowering.use_counts);
     free(lowering.placements);

@@ -55,7 +55,7 @@ static const problem problems[] = {
 static const struct {
     int mask;
     const char *name;
-} devices[] = {NAMED(PAD), NAMED(TERMS), NAMED(SPLIT)};
+} devices[] = {NAMED(TERMS), NAMED(SPLIT)};
 enum {
     PROBLEMS = sizeof problems / sizeof *problems,
     DEVICES = sizeof devices / sizeof *devices,

@@ -12,11 +12,9 @@
 
 /* ---- Runs -------------------------------------------------------------------------------------------------------- */
 
-enum { VECTOR = 8 };
-
 static bool is_product(const jet_run_of_operations *run) { return run->op == OP_PRODUCTS || run->op == OP_SQUARES; }
 
-/* Runs follow each other, without gaps but before vectors, and read, at the order being computed, only slots that are
+/* Runs follow each other without gaps, and read, at the order being computed, only slots that are
  * computed before; each LINEAR has a row of terms, as many as the others of its run; the products of a run have one set
  * of terms. */
 static void check_layout(const jet_tape *tape, jet_tape_kind kind)
@@ -24,10 +22,7 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
     int slot = tape->input_count + tape->constant_count, row = 0, term = 0;
     for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++) {
         const jet_rule *rule = jet_rules[run->op];
-        if (run->z != slot) { /* a vector begins (tape_pad.c) */
-            ck_assert_int_eq(kind, JET_TAPE_SERIES);
-            ck_assert_int_eq(run->z, (slot + VECTOR - 1) / VECTOR * VECTOR);
-        }
+        ck_assert_int_eq(run->z, slot);
         ck_assert_int_ge(run->operation_count, 1);
         slot = run->z + run->operation_count;
         ck_assert_int_le(slot, tape->slot_count);
@@ -54,8 +49,7 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
             ck_assert_int_lt(tape->term_slot[term], run->z);
     }
     ck_assert_int_eq(term, tape->term_count);
-    ck_assert(tape->slot_count == slot ||
-              (kind == JET_TAPE_SERIES && tape->slot_count == (slot + VECTOR - 1) / VECTOR * VECTOR));
+    ck_assert_int_eq(tape->slot_count, slot);
     ck_assert_int_eq(row, tape->linear_operation_count);
 }
 
@@ -88,8 +82,7 @@ static const function *composition_named(const char *name)
 }
 
 /* The 15 pairs of six bodies run side by side: 45 differences, 15 distances, powers and factors; then, axis by axis and
- * without copies of the factors, 45 components of forces, and 72 additions in four levels. In series the last pair runs
- * twice, so that there are two whole vectors of pairs, which begin where vectors do. */
+ * without copies of the factors, 45 components of forces, and 72 additions in four levels. */
 START_TEST(pairs_run_together)
 {
     if (is_plain()) return;
@@ -97,18 +90,10 @@ START_TEST(pairs_run_together)
         jet_op op;
         int operations, runs;
     } expected[] = {{OP_SQUARES, 15, 1}, {OP_POW, 15, 1}, {OP_PRODUCTS, 45, 3}, {OP_LINEAR, 45 + 15 + 72, 2 + 4}};
-    static const int copies[] = {1, 1, 3, 3 + 1};
     recording r = record_outputs(composition_named("gravity"), (jet_tape_kind)_i);
     for (int i = 0; i < COUNT(expected); i++) {
-        const int more = _i == JET_TAPE_SERIES ? copies[i] : 0;
-        ck_assert_int_eq(operations_of(r.tape, expected[i].op), expected[i].operations + more);
+        ck_assert_int_eq(operations_of(r.tape, expected[i].op), expected[i].operations);
         ck_assert_int_eq(runs_of(r.tape, expected[i].op), expected[i].runs);
-    }
-    for (int i = 0; i < r.tape->run_count && _i == JET_TAPE_SERIES; i++) {
-        const jet_run_of_operations *run = &r.tape->runs[i];
-        if (run->op == OP_LINEAR) continue;
-        ck_assert_int_eq(run->z % VECTOR, 0);
-        ck_assert_int_eq(run->operation_count % VECTOR, 0);
     }
     recording_free(&r);
 }
