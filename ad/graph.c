@@ -29,7 +29,7 @@ struct jet_graph {
 
 /* ---- Poison: an operation that could not be recorded, and the reason --------------------------------------------- */
 
-#define POISON(reason, status, text) [reason] = {.op = OP_CONST, .index = status, .count = reason},
+#define POISON(reason, status, text) [reason] = {.op = OP_CONST, .index = status},
 #define OUTSIDE(code, name)          POISON(JET_OUTSIDE + code, TVI_EDOMAIN, )
 static const struct jet_node poison_nodes[] = {JET_REASON_LIST(POISON) JET_RULE_LIST(OUTSIDE)};
 
@@ -46,6 +46,14 @@ jet jet_make_poison_beyond_end(jet_reason reason, int index)
 }
 
 bool jet_is_poison(jet x) { return x.node && !x.node->graph; }
+
+jet_reason jet_poison_reason(jet x)
+{
+    const uintptr_t offset = (uintptr_t)x.node - (uintptr_t)poison_nodes;
+    return offset < sizeof poison_nodes ? (jet_reason)(offset / sizeof *poison_nodes) : JET_UNSET;
+}
+
+tvi_status jet_reason_status(jet_reason reason) { return (tvi_status)poison_nodes[reason].index; }
 
 jet jet_find_common_graph_or_poison(int count, const jet x[], jet_graph **graph)
 {

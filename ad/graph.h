@@ -89,7 +89,7 @@ struct jet_node {
     struct jet_node *b; /* The second operand; NULL: there is none. */
     struct jet_node *w; /* The auxiliary node, whose series the recurrence needs; NULL: there is none. */
     jet_term *terms;    /* LINEAR: the terms of the sum, [count]. */
-    int count;          /* Number of terms. Poison node: its jet_reason. */
+    int count;          /* Number of terms. */
     int scratch;        /* Scratch of the function that runs: the index of a term, or a flag. */
     /* PARAMETER: the index of the parameter. This member must be the last one, since test_sharing.c compares all
      * members before it. */
@@ -147,6 +147,11 @@ jet jet_make_domain_poison(jet_op op, double operand);
  * The reason is JET_BEYOND_Q, JET_BEYOND_V or JET_BEYOND_P. The member `number` of this jet is the index. */
 jet jet_make_poison_beyond_end(jet_reason reason, int index);
 bool jet_is_poison(jet x);
+/* Returns the reason of a poison jet. A jet that looks like poison and was made by no operation, such as one that was
+ * never set, has the reason JET_UNSET. */
+jet_reason jet_poison_reason(jet x);
+/* Returns the status of a reason. */
+tvi_status jet_reason_status(jet_reason reason);
 /* Returns the poison with which outputs are filled before the user's function runs, for outputs that it does not
  * set. */
 static inline jet jet_make_unset_poison(void) { return jet_make_poison(JET_UNSET); }

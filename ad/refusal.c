@@ -34,9 +34,8 @@ static const char *const reason_texts[] = {JET_REASON_LIST(REASON)};
 
 tvi_status jet_explain_refused_output(const char *name, int output_count, int output_index, jet x)
 {
-    const bool is_poison = jet_is_poison(x);
-    const jet_reason reason = is_poison ? (jet_reason)x.node->count : x.node ? JET_FOREIGN : JET_NOT_FINITE;
-    const tvi_status status = is_poison ? (tvi_status)x.node->index : x.node ? TVI_EINVAL : TVI_ENONFINITE;
+    const jet_reason reason = jet_is_poison(x) ? jet_poison_reason(x) : x.node ? JET_FOREIGN : JET_NOT_FINITE;
+    const tvi_status status = jet_reason_status(reason);
     char called[64];
     (void)jet_format(called, sizeof called, output_count > 1 ? "%s[%d]" : "%s", name, output_index);
     if (reason < JET_BEYOND_Q) return jet_refuse(status, "%s %s", called, reason_texts[reason]);

@@ -4,6 +4,7 @@
 
 #include <limits.h>
 #include <math.h>
+#include <string.h>
 
 /* ---- Numbers that have no value ---------------------------------------------------------------------------------- */
 
@@ -308,6 +309,26 @@ START_TEST(unset_outputs)
 }
 END_TEST
 
+/* Memory of the stack may look like a jet that was never set: the function is refused, whatever it contains. */
+static jet stale_potential(const jet q[], jet t, void *ctx)
+{
+    (void)t;
+    const jet stale = {0, ctx};
+    return jet_add(stale, q[0]);
+}
+
+START_TEST(unset_jets)
+{
+    for (int byte = 0; byte < 256; byte += 51) {
+        void *memory[32] = {NULL};
+        memset(memory + 2, byte, sizeof memory - 2 * sizeof *memory);
+        tvi_system *system = NOT_NULL;
+        refused("potential was not set", tvi_system_potential(&system, 2, NULL, stale_potential, memory), TVI_EINVAL);
+        ck_assert_ptr_null(system);
+    }
+}
+END_TEST
+
 /* Lagrangians whose L_vv is singular: by what they are made of, or not seen when they are made. */
 static jet linear_lagrangian(const jet q[], const jet v[], jet t, void *ctx)
 {
@@ -348,6 +369,7 @@ TCase *tcase_functions(void)
     tcase_add_test(tcase, kept_jets);
     tcase_add_test(tcase, two_recordings);
     tcase_add_test(tcase, unset_outputs);
+    tcase_add_test(tcase, unset_jets);
     tcase_add_test(tcase, singular_lagrangians);
     return tcase;
 }

@@ -6,7 +6,8 @@
 
 enum { MIN_PADDING = 8, MAX_DIMENSION = 9 };
 
-/* What a function reads or sets: the component `index` of its first (0) or second (1) vector, or of the force (2). */
+/* The component that a function reads or sets: number `index` of its first (0) or second (1) vector, or of the force
+ * that it sets (2). */
 typedef struct {
     int vector, index, n;
 } access;
