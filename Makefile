@@ -31,6 +31,7 @@
 #                 beside integrators, five minutes; ROWS=pattern for some rows
 # make python-cost  what a step and a run cost in Python beside C (docs/python.md), half a minute
 # make instructions  tests/instructions.txt anew: what a step costs
+# make mistakes   tests/python/mistakes.md anew: the texts that common mistakes get
 # make abi        tests/abi.txt anew, what linked programs rely on; it prints what is lost
 # make order-doubling   the table and the picture of docs/order-doubling.md
 # make stability  where methods break: the tables and pictures of docs/stability.md, four minutes

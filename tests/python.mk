@@ -7,12 +7,17 @@ PYTHON_HERE = TVI_LIBRARY='$(abspath $(BUILD))/libtvi.so' PYTHONPATH='$(CURDIR)/
 check-python: ; $(REPORT) "Python: bits of C, refusals, threads, memory, Ctrl-C, the page and its doctests" $(DO)
 do-python: all
 	@mkdir -p $(BUILD)/check/python
-	$(PYTHON_HERE) $(PYTHON) -W error::ResourceWarning -m unittest discover -s tests/python
+	$(PYTHON_HERE) CXX='$(CXX)' $(PYTHON) -W error::ResourceWarning -m unittest discover -s tests/python
 
 # what is refused, and what is not, with a library that has the address sanitizer, which sees Python's own memory, too
 PYTHON_SANITIZED = $(PYTHON_HERE) LD_PRELOAD="$$($(CC) -print-file-name=libasan.so)" PYTHONMALLOC=malloc \
                    ASAN_OPTIONS=detect_leaks=0 $(PYTHON) -W ignore -m unittest \
                    test_refusals test_jets test_gravity test_results.Many test_results.Solve.test_ways test_results.Solve.test_events
+
+# tests/python/mistakes.md anew; BEFORE=DIR takes the texts of 0.2.0 from a built checkout of it
+mistakes: need-check all
+	$(PYTHON_HERE) CXX='$(CXX)' $(PYTHON) tests/python/mistakes.py write
+.PHONY: mistakes
 
 # the programs of docs/python, which take half a minute; make gallery puts their pictures into the documents
 check-gallery: ; $(REPORT) "Python: the gallery" $(DO)

@@ -62,8 +62,8 @@ class Recording:
         """What the function has returned as one jet."""
         operand = self.operand(value)
         if operand is None:
-            shape = f" of shape {value.shape}" if isinstance(value, np.ndarray) else ""
-            raise TypeError(f"{what} returned {type(value).__name__}{shape}, not one jet or number")
+            kind = f"an array of shape {value.shape}" if isinstance(value, np.ndarray) else type(value).__name__
+            raise TypeError(f"{what} returned {kind}, not one jet or number")
         return operand
 
     def results(self, values: Any, count: int, what: str) -> list:
