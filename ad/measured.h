@@ -26,15 +26,8 @@
 #define EMIT_MAX_INLINED             64 /* [operations] The largest inlined tape if the lanes fill several registers. */
 #define EMIT_MAX_INLINED_IN_REGISTER 256 /* [operations] The largest inlined tape if the lanes fill one register. */
 
-/* ---- Blocks of members of an ensemble: make performance ONE=ensembles -------------------------------------------- */
+/* ---- Taylor curves ----------------------------------------------------------------------------------------------- */
 
-/* [members] The width of a block is the number of its members: BATCH_MIN_WIDTH times a power of two. */
-#define BATCH_MIN_WIDTH        8  /* [members] The smallest block: one vector of the widest instruction set. */
-#define BATCH_MAX_WIDTH        32 /* [members] The largest block for methods with curves. */
-/* [bytes] The largest block of a series and its tangents along one direction, to stay in the first-level cache. */
-#define CURVE_BATCH_MAX_BYTES (32 << 10)
-/* [bytes] The largest block of a series and its tangents if it has only BATCH_MIN_WIDTH members. */
-#define CURVE_BATCH_MAX_BYTES_AT_MIN_WIDTH (256 << 10)
 /* [directions] One sweep of tangents has at most this many directions. A block of more would not fit into the cache
  * (make performance ONE=cost). */
 #define CURVE_TANGENT_DIRECTIONS 8

@@ -19,8 +19,8 @@ void tvi_blocks_set_constants(const tvi_tape_block *first)
         jet_tape_reset_block_and_set_constants(block->tape, block->x, block->orders, block->lanes);
 }
 
-void tvi_blocks_set_parameters(const tvi_tape_block *first, int count, int width, const double value[])
+void tvi_blocks_set_parameters(const tvi_tape_block *first, int count, const double value[])
 {
     for (const tvi_tape_block *block = first; block; block = block->next)
-        jet_tape_set_parameters(block->tape, block->x, block->lanes, count, width, value);
+        jet_tape_set_parameters(block->tape, block->x, block->lanes, count, 1, value);
 }

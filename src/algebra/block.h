@@ -19,8 +19,7 @@ double *tvi_arena_allocate_block(tvi_arena *arena, const jet_tape *tape, int ord
 
 /* Sets the constants of all blocks of the list. The memory of the arena must have been obtained. */
 void tvi_blocks_set_constants(const tvi_tape_block *first);
-/* Sets parameter i, i < count, to the `width` numbers value[i][width] in all blocks of the list, after their
- * constants are set. The numbers are repeated over the lanes of a block. */
-void tvi_blocks_set_parameters(const tvi_tape_block *first, int count, int width, const double value[]);
+/* Sets parameter i, i < count, to value[i] in all blocks of the list, after their constants are set. */
+void tvi_blocks_set_parameters(const tvi_tape_block *first, int count, const double value[]);
 
 #endif

@@ -11,15 +11,15 @@ void dgetf2_(const int *m, const int *n, double *a, const int *lda, int *ipiv, i
 void dgetrs_(const char *trans, const int *n, const int *nrhs, const double *a, const int *lda, const int *ipiv,
              double *b, const int *ldb, int *info, size_t trans_length);
 
-void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n, int width)
+void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n)
 {
-    const size_t numbers = (size_t)n * (size_t)width;
+    const size_t numbers = (size_t)n * (size_t)n;
     factor->n = n;
-    factor->lu = tvi_arena_allocate_doubles(arena, (size_t)n * numbers);
-    factor->row_scale = tvi_arena_allocate_doubles(arena, numbers);
+    factor->lu = tvi_arena_allocate_doubles(arena, numbers);
+    factor->row_scale = tvi_arena_allocate_doubles(arena, (size_t)n);
     factor->column_scale = tvi_arena_allocate_doubles(arena, (size_t)n);
     factor->pivot = tvi_arena_allocate(arena, (size_t)n * sizeof(int));
-    factor->scaled_matrix = tvi_arena_allocate_doubles(arena, (size_t)n * numbers);
+    factor->scaled_matrix = tvi_arena_allocate_doubles(arena, numbers);
     factor->right_side = tvi_arena_allocate_doubles(arena, (size_t)n);
     factor->residual = tvi_arena_allocate_doubles(arena, (size_t)n);
 }

@@ -21,9 +21,7 @@ typedef struct {
     int *pivot;                       /* [n] The exchanges P: row i with row pivot[i] - 1, one after the other. */
 } tvi_lu_factor;
 
-/* Allocates the factored matrix in an arena. For the matrices of `width` members of an ensemble (linear_small.h), each
- * entry is `width` numbers, one for each member. */
-void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n, int width);
+void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n);
 
 /* Factors the matrix in place. Returns TVI_ESINGULAR if a pivot is at the level of roundoff, and TVI_ENONFINITE if
  * the matrix is not finite. */

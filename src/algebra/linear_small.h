@@ -217,96 +217,68 @@ JET_INLINE bool linear_is_safe_pivot(double pivot, double diagonal_before, doubl
     return size > least_ratio * most && least_ratio * size < most;
 }
 
-/* The arrays below contain the linear systems of several members of an ensemble: each entry is `width` numbers, one
- * for each member. */
-
-#define LINEAR_SUBTRACT_PRODUCT(V, S) JET_AT(V, x, 0) -= JET_OF(V, a, 0) * JET_OF(V, b, 0);
-#define LINEAR_MULTIPLY(V, S)         JET_AT(V, x, 0) = JET_OF(V, a, 0) * JET_OF(V, b, 0);
-
-/* Computes x[m] <- x[m] - a[m] b[m] for the members m < width. */
-JET_INLINE void linear_subtract_products_per_member(int width, const double a[], const double b[], double x[])
-{
-    enum { stride = 0 };
-    JET_BLOCKS(width, LINEAR_SUBTRACT_PRODUCT, );
-}
-/* Computes x[m] <- a[m] b[m] for the members m < width. */
-JET_INLINE void linear_multiply_per_member(int width, const double a[], const double b[], double x[])
-{
-    enum { stride = 0 };
-    JET_BLOCKS(width, LINEAR_MULTIPLY, );
-}
-
 /* Factors A = L U, row-major. U is in the upper half of factor->lu, L below the diagonal of factor->scaled_matrix, and
  * 1 / U_jj in factor->row_scale. In this layout rows are only written as a whole. The first
- * count_of_rows_in_column_units rows have the same units as the columns. Sets is_safe_mask_of_member [width] of a
- * member to 0 if a pivot needs an exchange of rows, or is NaN. */
-JET_INLINE void linear_unpivoted_factor_in_place(int n, int count_of_rows_in_column_units, int width,
-                                                 const tvi_lu_factor *factor, long long is_safe_mask_of_member[])
+ * count_of_rows_in_column_units rows have the same units as the columns. Returns false if a pivot needs an exchange of
+ * rows, or is NaN. */
+JET_INLINE bool linear_unpivoted_factor_in_place(int n, int count_of_rows_in_column_units, const tvi_lu_factor *factor)
 {
     const size_t stride = (size_t)n;
-    double before[LINEAR_OWN_MAX_ROWS * BATCH_MAX_WIDTH];
+    double before[LINEAR_OWN_MAX_ROWS];
+    bool is_safe = true;
     JET_UNROLLED
-    for (int j = 0; j < n; j++)
-        for (int m = 0; m < width; m++) before[j * width + m] = factor->lu[(j * n + j) * width + m];
+    for (int j = 0; j < n; j++) before[j] = factor->lu[j * n + j];
     JET_UNROLLED
     for (int j = 0; j < n; j++) {
-        const double *row = factor->lu + j * n * width, *pivot = row + j * width;
-        double *inverse = factor->row_scale + j * width;
-        for (int m = 0; m < width; m++) {
-            const bool is_large = j >= count_of_rows_in_column_units || fabs(pivot[m]) >= LINEAR_MIN_PIVOT;
-            inverse[m] = 1 / pivot[m];
-            is_safe_mask_of_member[m] &=
-                -(long long)(is_large & linear_is_safe_pivot(pivot[m], before[j * width + m], LINEAR_MIN_PIVOT));
-        }
+        const double *row = factor->lu + j * n, pivot = row[j], inverse = 1 / pivot;
+        const bool is_large = j >= count_of_rows_in_column_units || fabs(pivot) >= LINEAR_MIN_PIVOT;
+        factor->row_scale[j] = inverse;
+        is_safe &= is_large & linear_is_safe_pivot(pivot, before[j], LINEAR_MIN_PIVOT);
         JET_UNROLLED
         for (int i = j + 1; i < n; i++) {
-            double *other_row = factor->lu + i * n * width, *l = factor->scaled_matrix + (i * n + j) * width;
-            linear_multiply_per_member(width, other_row + j * width, inverse, l);
-            if (width == 1 && n >= 4) {
-                const double multiplier = *l;
+            double *other_row = factor->lu + i * n;
+            const double multiplier = other_row[j] * inverse;
+            factor->scaled_matrix[i * n + j] = multiplier;
+            if (n >= 4) {
                 JET_BLOCKS(n, LINEAR_ELIMINATE, );
             } else {
                 JET_UNROLLED
-                for (int k = j + 1; k < n; k++)
-                    linear_subtract_products_per_member(width, l, row + k * width, other_row + k * width);
+                for (int k = j + 1; k < n; k++) other_row[k] -= multiplier * row[k];
             }
         }
     }
+    return is_safe;
 }
 
-/* Computes x <- A^-1 x for all members, with the factors of linear_unpivoted_factor_in_place. The unknown that is
- * computed last is subtracted last, so that the other products need not wait. */
-JET_INLINE void linear_unpivoted_solve(int n, int width, const tvi_lu_factor *factor, double x[])
+/* Computes x <- A^-1 x with the factors of linear_unpivoted_factor_in_place. The unknown that is computed last is
+ * subtracted last, so that the other products need not wait. */
+JET_INLINE void linear_unpivoted_solve(int n, const tvi_lu_factor *factor, double x[])
 {
     const double *l = factor->scaled_matrix, *u = factor->lu;
     JET_UNROLLED
     for (int i = 0; i < n; i++) JET_UNROLLED
-    for (int j = 0; j < i; j++)
-        linear_subtract_products_per_member(width, l + (i * n + j) * width, x + j * width, x + i * width);
+    for (int j = 0; j < i; j++) x[i] -= l[i * n + j] * x[j];
     JET_UNROLLED
     for (int i = n - 1; i >= 0; i--) {
         JET_UNROLLED
-        for (int j = n - 1; j > i; j--)
-            linear_subtract_products_per_member(width, u + (i * n + j) * width, x + j * width, x + i * width);
-        linear_multiply_per_member(width, x + i * width, factor->row_scale + i * width, x + i * width);
+        for (int j = n - 1; j > i; j--) x[i] -= u[i * n + j] * x[j];
+        x[i] *= factor->row_scale[i];
     }
 }
 
-/* Computes x <- A^-T x for all members, with the factors of linear_unpivoted_factor_in_place. */
-JET_INLINE void linear_unpivoted_solve_transposed(int n, int width, const tvi_lu_factor *factor, double x[])
+/* Computes x <- A^-T x with the factors of linear_unpivoted_factor_in_place. */
+JET_INLINE void linear_unpivoted_solve_transposed(int n, const tvi_lu_factor *factor, double x[])
 {
     const double *l = factor->scaled_matrix, *u = factor->lu;
     JET_UNROLLED
     for (int i = 0; i < n; i++) {
         JET_UNROLLED
-        for (int j = 0; j < i; j++)
-            linear_subtract_products_per_member(width, u + (j * n + i) * width, x + j * width, x + i * width);
-        linear_multiply_per_member(width, x + i * width, factor->row_scale + i * width, x + i * width);
+        for (int j = 0; j < i; j++) x[i] -= u[j * n + i] * x[j];
+        x[i] *= factor->row_scale[i];
     }
     JET_UNROLLED
     for (int i = n - 1; i >= 0; i--) JET_UNROLLED
-    for (int j = n - 1; j > i; j--)
-        linear_subtract_products_per_member(width, l + (j * n + i) * width, x + j * width, x + i * width);
+    for (int j = n - 1; j > i; j--) x[i] -= l[j * n + i] * x[j];
 }
 
 /* Computes A <- A^-1, row-major. Returns false if a pivot needs an exchange of rows; A is then undefined. */

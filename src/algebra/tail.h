@@ -60,32 +60,23 @@ static inline double tvi_damp_last_term_ratio_of_slow_component(double last_term
     return last_term_ratio * (motion_share < least ? quotient : 1);
 }
 
-/* Computes tail_of_member [member_count], the tails of several members of an ensemble, from motion_share and
- * last_term_ratio [n][member_count] of their components. */
-static inline void tvi_compute_tails_of_ensemble_members(const tvi_subsystems *subsystems, int n, int member_count,
-                                                         const double *motion_share, const double *last_term_ratio,
-                                                         double *tail_of_member)
+/* Returns the tail of a step from motion_share and last_term_ratio [n] of its components. */
+static inline double tvi_compute_tail(const tvi_subsystems *subsystems, int n, const double *motion_share,
+                                      const double *last_term_ratio)
 {
-    double largest_tail[BATCH_MAX_WIDTH];
-    for (int m = 0; m < member_count; m++) largest_tail[m] = 0;
+    double tail = 0;
     for (int subsystem = 0, k = 0; subsystem < subsystems->count; subsystem++) {
         const int first = k, end = tvi_subsystems_end_in_component_list(subsystems, subsystem, n);
-        double largest_share[BATCH_MAX_WIDTH];
-        for (int m = 0; m < member_count; m++) largest_share[m] = 0;
+        double largest_share = 0;
         for (; k < end; k++)
-            for (int m = 0; m < member_count; m++) {
-                const double one = motion_share[tvi_subsystems_component_at(subsystems, k) * member_count + m];
-                largest_share[m] = tvi_larger(one, largest_share[m]);
-            }
-        for (k = first; k < end; k++)
-            for (int m = 0; m < member_count; m++) {
-                const int at = tvi_subsystems_component_at(subsystems, k) * member_count + m;
-                const double one =
-                    tvi_damp_last_term_ratio_of_slow_component(last_term_ratio[at], motion_share[at], largest_share[m]);
-                largest_tail[m] = tvi_larger(one, largest_tail[m]);
-            }
+            largest_share = tvi_larger(motion_share[tvi_subsystems_component_at(subsystems, k)], largest_share);
+        for (k = first; k < end; k++) {
+            const int i = tvi_subsystems_component_at(subsystems, k);
+            tail = tvi_larger(
+                tvi_damp_last_term_ratio_of_slow_component(last_term_ratio[i], motion_share[i], largest_share), tail);
+        }
     }
-    for (int m = 0; m < member_count; m++) tail_of_member[m] = largest_tail[m];
+    return tail;
 }
 
 #endif

@@ -86,9 +86,7 @@ JET_INLINE double NAME(compute_tail_of_form)(const galerkin_tail_inputs *tail_in
         share[i] = tvi_component_share_of_step_motion(&component, is_separable || inputs.has_masses);
         ratio[i] = tvi_largest_relative_last_series_term(&component);
     }
-    double tail;
-    tvi_compute_tails_of_ensemble_members(&inputs.subsystems, inputs.n, 1, share, ratio, &tail);
-    return tail;
+    return tvi_compute_tail(&inputs.subsystems, inputs.n, share, ratio);
 }
 
 KERNEL_FUNCTION double NAME(compute_tail)(const galerkin_tail_inputs *inputs)

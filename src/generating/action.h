@@ -10,13 +10,12 @@
 #include "generating/seeds.h"
 #include "method/descriptor.h"
 
-/* Returns an action of `width` members that has no memory yet: only its sizes and switches are set. They follow from
- * the method that the resolved options choose. */
-tvi_action tvi_create_unallocated_action(const tvi_system *system, const tvi_options *options, int width);
+/* Returns an action that has no memory yet: only its sizes and switches are set. They follow from the method that the
+ * resolved options choose. */
+tvi_action tvi_create_unallocated_action(const tvi_system *system, const tvi_options *options);
 /* Returns the tape that evaluates the field at the nodes. */
 const jet_tape *tvi_select_node_tape(const tvi_system *system, const tvi_action *action);
-void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                         int width);
+void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options);
 void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, tvi_step_span_in_scaled_time span);
 
 /* Computes the seeds seed_Q and seed_U, [highest_order + 1][n], by which the action's gradient in defect form is D_z =

@@ -6,17 +6,16 @@
 #include "method/method.h"
 
 /* Returns the number of nodes in each of the two halves of the step, which mirror each other. The number is padded to
- * whole vectors if the field's tape processes as many vectors with the padding as without; otherwise, and for several
- * members, it is not padded. */
-static int choose_padded_half_node_count(const tvi_system *system, int points, int width)
+ * whole vectors if the field's tape processes as many vectors with the padding as without; otherwise it is not
+ * padded. */
+static int choose_padded_half_node_count(const tvi_system *system, int points)
 {
-    if (width > 1) return (points + 1) / 2;
     const int lanes = 2 << system->field_values->sweeps->isa, half = (points + 1) / 2,
               whole = seeds_round_up_to_vectors(half);
     return (2 * whole + lanes - 1) / lanes > (2 * half + lanes - 1) / lanes ? half : whole;
 }
 
-tvi_action tvi_create_unallocated_action(const tvi_system *system, const tvi_options *options, int width)
+tvi_action tvi_create_unallocated_action(const tvi_system *system, const tvi_options *options)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
     const int degree = options->degree, p_degree = definition->uses_highest_momentum_term ? degree : degree - 1;
@@ -31,11 +30,10 @@ tvi_action tvi_create_unallocated_action(const tvi_system *system, const tvi_opt
                         .q_degree = degree,
                         .p_degree = p_degree,
                         .node_count = points,
-                        .order_count = degree + one_more + 1,
-                        .member_count = width};
+                        .order_count = degree + one_more + 1};
     if (definition->step_span_in_scaled_time.start_s == -definition->step_span_in_scaled_time.end_s &&
         seeds_need_no_second_derivatives(&sizes) && tvi_quadrature_mirror(options->quadrature) == options->quadrature) {
-        sizes.half_node_count = choose_padded_half_node_count(system, points, width);
+        sizes.half_node_count = choose_padded_half_node_count(system, points);
         sizes.node_count = 2 * sizes.half_node_count;
     }
     return sizes;
@@ -56,12 +54,10 @@ static void allocate_node_table(tvi_node_table *table, tvi_arena *arena, const t
     table->values_of_odd_orders = tvi_arena_allocate_doubles(arena, half_rows);
 }
 
-void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                         int width)
+void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
-    *action = tvi_create_unallocated_action(system, options, width);
-    const size_t orders = (size_t)action->order_count, points = (size_t)action->node_count,
-                 n = (size_t)(system->n * width);
+    *action = tvi_create_unallocated_action(system, options);
+    const size_t orders = (size_t)action->order_count, points = (size_t)action->node_count, n = (size_t)system->n;
     action->field_tape = tvi_select_node_tape(system, action);
     action->node_scaled_time = tvi_arena_allocate_doubles(arena, points);
     action->node_weight = tvi_arena_allocate_doubles(arena, points);
@@ -72,11 +68,10 @@ void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system 
                                       &action->weighted_power_table,
                                       &action->weighted_slope_table};
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) allocate_node_table(tables[i], arena, action);
-    action->node_sums_by_order = tvi_arena_allocate_doubles(arena, orders * (size_t)width);
+    action->node_sums_by_order = tvi_arena_allocate_doubles(arena, orders);
     if (tvi_quadrature_order(options->quadrature, options->quadrature_points) < action->q_degree + action->p_degree)
         action->summation_by_parts_error = tvi_arena_allocate_doubles(arena, orders * orders);
-    action->field_tape_values_at_nodes =
-        tvi_arena_allocate_block(arena, action->field_tape, 1, action->node_count * width, 0);
+    action->field_tape_values_at_nodes = tvi_arena_allocate_block(arena, action->field_tape, 1, action->node_count, 0);
     if (system->form == TVI_HAMILTONIAN && action->is_phase_space_action && action->omits_highest_order_at_nodes)
         action->hessian_product_block =
             tvi_arena_allocate_block(arena, system->r_dot_Hp_values, 1, action->node_count, 0);

@@ -30,8 +30,8 @@ static void allocate_end_curve(tvi_one_end_curve *x, tvi_arena *arena, const tvi
     const int r = options->degree;
     const size_t n = (size_t)system->n;
     x->sign_in_curve_difference = x->other_end_scaled_time = sign;
-    tvi_curve_allocate(&x->curve, arena, system, r, TVI_JACOBIAN_MATRICES, 1);
-    tvi_allocate_action(&x->action, arena, system, &plain, 1);
+    tvi_curve_allocate(&x->curve, arena, system, r, TVI_JACOBIAN_MATRICES);
+    tvi_allocate_action(&x->action, arena, system, &plain);
     tvi_coefficient_combination *const weights[] = {&x->q_increment_weights, &x->scaled_p_at_expansion_point_weights,
                                                     &x->dense_output_q_weights, &x->dense_output_scaled_p_weights};
     for (size_t i = 0; i < sizeof weights / sizeof *weights; i++)
@@ -43,7 +43,7 @@ static void allocate_end_curve(tvi_one_end_curve *x, tvi_arena *arena, const tvi
     x->q_increment_jacobian = tvi_arena_allocate_doubles(arena, n * 2 * n);
     x->end_condition_multiplier = tvi_arena_allocate_doubles(arena, n);
     x->last_newton_dz = tvi_arena_allocate_doubles(arena, 2 * n);
-    tvi_factor_allocate(&x->q_by_velocity_jacobian_lu, arena, system->n, 1);
+    tvi_factor_allocate(&x->q_by_velocity_jacobian_lu, arena, system->n);
 }
 
 static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
@@ -58,7 +58,7 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
     allocate_end_curve(&w.start_curve, arena, system, options, 1);
     allocate_end_curve(&w.end_curve, arena, system, options, -1);
     w.action_has_momentum_terms = tvi_quadrature_order(options->quadrature, w.points) >= 2 * options->degree + 1;
-    tvi_newton_allocate(&w.newton, arena, 3, system, true, 1);
+    tvi_newton_allocate(&w.newton, arena, 3, system, true);
     if (system->form == TVI_LAGRANGIAN) {
         tvi_legendre_allocate(&w.legendre_transform, arena, system);
         w.velocity_guess = tvi_arena_allocate_restored_if_step_fails(arena, n * sizeof *w.velocity_guess);

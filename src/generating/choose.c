@@ -19,7 +19,7 @@ const tvi_curve_isa_functions *tvi_choose_curve_isa_functions(const jet_tape *ta
 
 bool tvi_has_fast_path_step(const tvi_system *system, const tvi_options *options)
 {
-    const tvi_action action = tvi_create_unallocated_action(system, options, 1);
+    const tvi_action action = tvi_create_unallocated_action(system, options);
     return tvi_find_method(options)->curve.correct_ends_by_generating_function ==
                tvi_solve_end_corrections_by_mean_q_jacobian &&
            options->passes != TVI_PREDICT_ONLY && seeds_need_no_second_derivatives(&action) &&
@@ -30,5 +30,5 @@ tvi_fast_path_step_fn *tvi_choose_fast_path_step(const tvi_corrected_curve *corr
 {
     if (!tvi_has_fast_path_step(corrected->system, options)) return NULL;
     const tvi_curve_isa_functions *functions = tvi_choose_curve_isa_functions(corrected->system->field_series);
-    return corrected->curve.member_count > 1 ? functions->fast_path_step_of_members : functions->fast_path_step;
+    return functions->fast_path_step;
 }

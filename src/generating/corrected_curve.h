@@ -113,23 +113,20 @@ TVI_NODISCARD tvi_status tvi_solve_end_corrections_by_jacobian_block(tvi_correct
 static inline void ends_compute_corrections_from_solution(const tvi_corrected_curve *corrected)
 {
     const tvi_curve_end_correction_factors *factors = corrected->end_correction_factors;
-    const int width = curve_member_count(&corrected->curve);
     double *restrict start_correction_q = corrected->start_correction_q, *restrict increment_correction_q =
                                                                              corrected->increment_correction_q;
     double *restrict start_correction_p = corrected->start_correction_p, *restrict increment_correction_p =
                                                                              corrected->increment_correction_p;
-    for (int i = 0; i < curve_dimension(&corrected->curve); i++)
-        for (int at = i * width; at < (i + 1) * width; at++) {
-            const double x = corrected->gradient_then_solution[at],
-                         y = corrected->gradient_then_solution[curve_coefficient_row_length(&corrected->curve) + at],
-                         of_q = corrected->curve.momentum_scale_factor[i] * y;
-            start_correction_q[at] = factors->start_q_correction_factor * of_q;
-            increment_correction_q[at] = factors->increment_q_correction_factor * of_q;
-            start_correction_p[at] =
-                factors->start_p_correction_factor[0] * x + factors->start_p_correction_factor[1] * y;
-            increment_correction_p[at] =
-                factors->increment_p_correction_factor[0] * x + factors->increment_p_correction_factor[1] * y;
-        }
+    for (int i = 0; i < curve_dimension(&corrected->curve); i++) {
+        const double x = corrected->gradient_then_solution[i],
+                     y = corrected->gradient_then_solution[curve_dimension(&corrected->curve) + i],
+                     of_q = corrected->curve.momentum_scale_factor[i] * y;
+        start_correction_q[i] = factors->start_q_correction_factor * of_q;
+        increment_correction_q[i] = factors->increment_q_correction_factor * of_q;
+        start_correction_p[i] = factors->start_p_correction_factor[0] * x + factors->start_p_correction_factor[1] * y;
+        increment_correction_p[i] =
+            factors->increment_p_correction_factor[0] * x + factors->increment_p_correction_factor[1] * y;
+    }
 }
 
 /* Computes momentum_term_abs_sum, the sums of the magnitudes of the momenta's terms, relative to which corrections of p
@@ -138,10 +135,8 @@ static inline void ends_compute_momentum_term_abs_sums(const tvi_corrected_curve
 {
     curve_sum_combination_with_adder(tvi_add_weighted_magnitudes, &corrected->curve,
                                      &corrected->momentum_term_abs_sum_weights, corrected->momentum_term_abs_sum);
-    const int width = curve_member_count(&corrected->curve);
     for (int i = 0; i < curve_dimension(&corrected->curve); i++)
-        for (int at = i * width; at < (i + 1) * width; at++)
-            corrected->momentum_term_abs_sum[at] /= fabs(corrected->curve.momentum_scale_factor[i]);
+        corrected->momentum_term_abs_sum[i] /= fabs(corrected->curve.momentum_scale_factor[i]);
 }
 
 #endif

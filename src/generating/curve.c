@@ -21,24 +21,23 @@
 static void allocate_tangents_and_hessian(tvi_curve *curve, tvi_arena *arena)
 {
     const tvi_system *system = curve->system;
-    const size_t orders = (size_t)curve->highest_order + 1, n = (size_t)curve->n,
-                 numbers = n * (size_t)curve->member_count, jacobian = orders * n * 2 * numbers,
-                 slots = (size_t)system->field_series->slot_count * (size_t)curve->member_count,
-                 tangent_lanes = curve->member_count > 1 ? 1 : (size_t)tvi_choose_tangent_lane_count(system);
+    const size_t orders = (size_t)curve->highest_order + 1, n = (size_t)curve->n, jacobian = orders * n * 2 * n,
+                 slots = (size_t)system->field_series->slot_count,
+                 tangent_lanes = (size_t)tvi_choose_tangent_lane_count(system);
     if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS) {
         curve->tangent_block = tvi_arena_allocate_doubles(arena, orders * slots);
         curve->adjoint_block = tvi_arena_allocate_doubles(arena, orders * slots);
     }
     if (curve->jacobian_method == TVI_JACOBIAN_MATRICES) {
         curve->tangent_block = tvi_arena_allocate_doubles(arena, orders * slots * tangent_lanes);
-        curve->product_direction = tvi_arena_allocate_doubles(arena, 2 * numbers);
+        curve->product_direction = tvi_arena_allocate_doubles(arena, 2 * n);
         curve->dQ_dz = tvi_arena_allocate_doubles(arena, jacobian);
-        curve->product_with_dU_dz = tvi_arena_allocate_doubles(arena, 2 * numbers);
-        curve->combination_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * numbers);
+        curve->product_with_dU_dz = tvi_arena_allocate_doubles(arena, 2 * n);
+        curve->combination_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * n);
         curve->dU_dz = system->form == TVI_SEPARABLE ? NULL : tvi_arena_allocate_doubles(arena, jacobian);
     }
     if (system->form != TVI_SEPARABLE) {
-        tvi_factor_allocate(&curve->velocity_hessian, arena, system->n, 1);
+        tvi_factor_allocate(&curve->velocity_hessian, arena, system->n);
         curve->slot_derivatives_by_velocity = tvi_arena_allocate_doubles(arena, slots * n);
         curve->velocity_right_sides = tvi_arena_allocate_doubles(arena, n * tangent_lanes);
         curve->right_side_column = tvi_arena_allocate_doubles(arena, n);
@@ -46,27 +45,24 @@ static void allocate_tangents_and_hessian(tvi_curve *curve, tvi_arena *arena)
 }
 
 void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int highest_order,
-                        tvi_jacobians jacobians, int width)
+                        tvi_jacobians jacobians)
 {
-    const size_t orders = (size_t)highest_order + 1, n = (size_t)system->n, numbers = n * (size_t)width;
+    const size_t orders = (size_t)highest_order + 1, n = (size_t)system->n;
     memset(curve, 0, sizeof *curve);
     curve->system = system;
     curve->jacobian_method = jacobians;
     curve->n = system->n;
-    curve->member_count = width;
     curve->highest_order = highest_order;
     curve->momentum_scale_factor = tvi_arena_allocate_doubles(arena, n);
-    curve->displacement_size = tvi_arena_allocate_doubles(arena, numbers);
-    curve->momentum_size = tvi_arena_allocate_doubles(arena, numbers);
-    curve->motion_share_for_tail = tvi_arena_allocate_doubles(arena, numbers);
-    curve->last_term_ratio_for_tail = tvi_arena_allocate_doubles(arena, numbers);
-    curve->due_jacobian_mask =
-        tvi_arena_allocate(arena, width > 1 ? (size_t)width * sizeof *curve->due_jacobian_mask : 0);
+    curve->displacement_size = tvi_arena_allocate_doubles(arena, n);
+    curve->momentum_size = tvi_arena_allocate_doubles(arena, n);
+    curve->motion_share_for_tail = tvi_arena_allocate_doubles(arena, n);
+    curve->last_term_ratio_for_tail = tvi_arena_allocate_doubles(arena, n);
     curve->displacement_size_weights = tvi_combination_allocate(curve, arena);
     curve->momentum_size_weights = tvi_combination_allocate(curve, arena);
     curve->reciprocal_integer = tvi_arena_allocate_doubles(arena, orders + 1);
     curve->log_integer = tvi_arena_allocate_doubles(arena, orders + 1);
-    curve->series_block = tvi_arena_allocate_block(arena, system->field_series, highest_order + 1, width, 0);
+    curve->series_block = tvi_arena_allocate_block(arena, system->field_series, highest_order + 1, 1, 0);
     allocate_tangents_and_hessian(curve, arena);
 }
 
@@ -117,8 +113,7 @@ tvi_status tvi_curve_factor_velocity_hessian(tvi_curve *curve)
 
 tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
 {
-    static const double none = 0;
-    curve_set_centre_time(curve, &centre, &none, 0);
+    curve_set_centre_time(curve, centre, 0, 0);
     const tvi_status status = curve_expand_series(curve);
     return status != TVI_OK || curve_has_finite_coefficients(curve) ? status : TVI_ENONFINITE;
 }

@@ -14,7 +14,7 @@
 #include "method/stepper.h"
 
 void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int highest_order,
-                        tvi_jacobians jacobians, int width);
+                        tvi_jacobians jacobians);
 void tvi_curve_fill_constant_tables(tvi_curve *curve); /* called once, after allocation */
 
 tvi_coefficient_combination tvi_combination_allocate(const tvi_curve *curve, tvi_arena *arena);
@@ -69,7 +69,7 @@ void tvi_curve_multiply_transposed_jacobians_by_seeds(tvi_curve *curve, const do
 
 /* tvi_curve_set_summed_degrees is called once, and sets the degrees to which Q and P are summed.
  * tvi_curve_compute_displacement_sizes computes displacement_size and momentum_size of each component.
- * tvi_curve_compute_tail computes from these sizes tvi_stats.tail of a single member (tail.h); the tail is 0 if p' has
+ * tvi_curve_compute_tail computes from these sizes tvi_stats.tail (tail.h); the tail is 0 if p' has
  * one term only. */
 void tvi_curve_set_summed_degrees(tvi_curve *curve, int q_degree, int p_degree);
 void tvi_curve_compute_displacement_sizes(const tvi_curve *curve);

@@ -69,8 +69,7 @@ static tvi_status compute_residual(void *self, const double z[], double r[])
                                       c->action_gradient_by_coefficients_U);
     if (status != TVI_OK) return status;
     status = c->solver->compute_corrections(c, z, w->newton.scale, attempt->stats);
-    const tvi_batch_origin origin = tvi_batch_origin_of_one(attempt->origin);
-    if (status == TVI_OK) step_compute_residual(w, &origin, r);
+    if (status == TVI_OK) step_compute_residual(w, attempt->origin, r);
     return status;
 }
 
@@ -126,12 +125,7 @@ static tvi_status run_corrector(step_attempt *attempt)
 static bool try_fast_path_step(const step_attempt *attempt, double dq[], double dp[])
 {
     work *w = attempt->work;
-    tvi_stats *stats = attempt->stats;
-    int passes;
-    long long iterating_mask = -1;
-    const tvi_fast_path_step_results out = {dq, dp, &stats->tail, &stats->residual, &passes, &iterating_mask};
-    const tvi_batch_origin origin = tvi_batch_origin_of_one(attempt->origin);
-    return w->fast_path_step && w->fast_path_step(w, attempt->time_unit, &origin, &out, attempt->stats);
+    return w->fast_path_step && w->fast_path_step(w, attempt->time_unit, attempt->origin, dq, dp, attempt->stats);
 }
 
 /* Rescales the curve of the plain Taylor method to tau = h, and computes the increments of its step. */
@@ -164,7 +158,7 @@ static tvi_status step_with_one_taylor_curve(void *workspace, double h, const tv
         compute_plain_taylor_increments(w, h, increments);
         step_store_end_velocity(w);
         stats->tail = tvi_curve_compute_tail(&w->corrected_curve.curve);
-    } else step_compute_increments_and_tails(w, increments->dq, increments->dp, &stats->tail);
+    } else stats->tail = step_compute_increments_and_tail(w, increments->dq, increments->dp);
     return TVI_OK;
 }
 
@@ -268,28 +262,21 @@ static tvi_tapes_of_steps find_used_tapes(const tvi_system *system, const tvi_op
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
     const bool has_symplectic_end_corrections =
         definition->correct_ends_by_generating_function && options->passes != TVI_PREDICT_ONLY;
-    const tvi_action shape = tvi_create_unallocated_action(system, options, 1);
+    const tvi_action shape = tvi_create_unallocated_action(system, options);
     return tvi_curve_find_used_tapes(system, options, shape.node_count,
                                      has_symplectic_end_corrections ? tvi_curve_choose_jacobian_method(system)
                                                                     : TVI_NO_JACOBIANS);
 }
 
-static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
-{
-    return tvi_curve_workspace_allocate(arena, system, options, 1);
-}
-
-const tvi_stepper tvi_stepper_curve = {.allocate = allocate_stepper,
+const tvi_stepper tvi_stepper_curve = {.allocate = tvi_curve_workspace_allocate,
                                        .set_tables = tvi_curve_workspace_compute_constant_tables,
                                        .step = step_with_one_taylor_curve,
                                        .interpolate = compute_dense_output,
-                                       .list_tapes = find_used_tapes,
-                                       .batch = &tvi_curve_batch};
-const tvi_stepper tvi_stepper_taylor = {.allocate = allocate_stepper,
+                                       .list_tapes = find_used_tapes};
+const tvi_stepper tvi_stepper_taylor = {.allocate = tvi_curve_workspace_allocate,
                                         .set_tables = tvi_curve_workspace_compute_constant_tables,
                                         .step = step_with_one_taylor_curve,
                                         .interpolate = compute_dense_output,
                                         .step_within_tolerance = step_to_tolerance,
                                         .bound_energy_change = bound_energy_change,
-                                        .list_tapes = find_used_tapes,
-                                        .batch = &tvi_curve_batch};
+                                        .list_tapes = find_used_tapes};

@@ -1,5 +1,5 @@
-/* curve_stepper.h - declares the workspace of a method that expands one Taylor curve, for curve_stepper.c,
- * curve_batch.c and the fast-path steps. Generated code includes this text. */
+/* curve_stepper.h - declares the workspace of a method that expands one Taylor curve, for curve_stepper.c and the
+ * fast-path steps. Generated code includes this text. */
 #ifndef TVI_SRC_GENERATING_CURVE_STEPPER_H
 #define TVI_SRC_GENERATING_CURVE_STEPPER_H
 
@@ -10,13 +10,11 @@
 #include "system/legendre.h"
 #include "system/roundoff.h"
 
-/* The functions of a curve that are compiled for one instruction set. The functions whose names end in of_members make
- * the steps of several members at once; all other functions handle one member. */
+/* The functions of a curve that are compiled for one instruction set. */
 typedef struct {
     void (*rescale_and_sum)(tvi_curve *curve, double factor, double dq[], double du[]);
     tvi_status (*compute_seeds)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
-    tvi_fast_path_step_fn *fast_path_step, *fast_path_step_of_members;
-    tvi_fast_path_step_fn *taylor_step_of_members;
+    tvi_fast_path_step_fn *fast_path_step;
     const tvi_end_correction_solver *matrix_free_solver;
 } tvi_curve_isa_functions;
 extern const tvi_curve_isa_functions tvi_curve_isa_functions_base, tvi_curve_isa_functions_avx2,
@@ -45,7 +43,7 @@ typedef struct tvi_curve_workspace {
     double *predicted_state; /* [2n] the predicted centre state */
     /* [n] of a Lagrangian: the first guess of the velocity in the next predictor; part of the history. */
     double *velocity_guess;
-    /* [member_count] The size of each member's last adapted step, or 0; part of the history. */
+    /* The size of the last adapted step, or 0; part of the history. */
     double *last_adapted_step_size;
     /* The values of all slots of the field's tape at the end of an adapted step, if the system is separable. */
     double *field_tape_values_at_step_end;
@@ -55,11 +53,9 @@ typedef struct tvi_curve_workspace {
     double *scratch; /* [n] scratch: one vector */
     tvi_increment_refinement refinement;
     tvi_fast_path_step_fn *fast_path_step; /* makes a whole step faster (curve_step.h); NULL if the method has none */
-    const struct tvi_member_stepper *single_stepper; /* only in batches: makes the step of a single member */
 } tvi_curve_workspace;
 
-/* Allocates the workspace of `width` members. */
-void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width);
+void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, const tvi_options *options);
 /* Fills the tables of the workspace; it is called once. */
 void tvi_curve_workspace_compute_constant_tables(void *work);
 

@@ -1,4 +1,4 @@
-/* curve_workspace.c - allocates the workspace of a method that expands one Taylor curve, for one member or several, and
+/* curve_workspace.c - allocates the workspace of a method that expands one Taylor curve, and
  * fills the tables of weights that depend on the method alone (docs/method.md section 3). curve_stepper.c and
  * curve_batch.c call it. */
 #include "generating/curve_step.h"
@@ -9,11 +9,11 @@
 typedef tvi_curve_workspace work;
 
 static void allocate_corrected_curve(tvi_corrected_curve *c, tvi_arena *arena, const tvi_system *system,
-                                     const tvi_options *options, bool has_symplectic_end_corrections, int width)
+                                     const tvi_options *options, bool has_symplectic_end_corrections)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const tvi_action sizes = tvi_create_unallocated_action(system, options, 1);
-    const size_t n = (size_t)system->n * (size_t)width;
+    const tvi_action sizes = tvi_create_unallocated_action(system, options);
+    const size_t n = (size_t)system->n;
     const tvi_jacobians jacobians =
         has_symplectic_end_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
     c->system = system;
@@ -25,7 +25,7 @@ static void allocate_corrected_curve(tvi_corrected_curve *c, tvi_arena *arena, c
     const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
     c->solver = has_products ? tvi_choose_curve_isa_functions(system->field_series)->matrix_free_solver
                              : &tvi_solver_by_matrices;
-    tvi_curve_allocate(&c->curve, arena, system, sizes.order_count - 1, jacobians, width);
+    tvi_curve_allocate(&c->curve, arena, system, sizes.order_count - 1, jacobians);
     tvi_coefficient_combination *const combinations[] = {&c->q_at_start_weights,           &c->q_at_end_weights,
                                                          &c->q_increment_weights,          &c->q_mean_weights,
                                                          &c->scaled_p_at_start_weights,    &c->scaled_p_at_end_weights,
@@ -47,30 +47,29 @@ static void allocate_corrected_curve(tvi_corrected_curve *c, tvi_arena *arena, c
 }
 
 /* Allocates what the method "taylor" has: a curve without corrections, whose steps may adapt to a tolerance. */
-static void allocate_plain_taylor_step(work *w, tvi_arena *arena, int width)
+static void allocate_plain_taylor_step(work *w, tvi_arena *arena)
 {
     const tvi_curve *curve = &w->corrected_curve.curve;
     const tvi_system *system = curve->system;
-    w->last_adapted_step_size = tvi_arena_allocate_restored_if_step_fails(arena, (size_t)width * sizeof(double));
-    if (width > 1) w->fast_path_step = tvi_choose_curve_isa_functions(system->field_series)->taylor_step_of_members;
-    else tvi_allocate_increment_refinement(&w->refinement, arena, curve);
-    if (width > 1 || system->form != TVI_SEPARABLE) return;
+    w->last_adapted_step_size = tvi_arena_allocate_restored_if_step_fails(arena, sizeof(double));
+    tvi_allocate_increment_refinement(&w->refinement, arena, curve);
+    if (system->form != TVI_SEPARABLE) return;
     w->field_tape_values_at_step_end = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
     tvi_roundoff_allocate(&w->end_field_roundoff, arena, system);
 }
 
-void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
+void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
     work *workspace = tvi_arena_allocate(arena, sizeof *workspace);
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
     const bool has_symplectic_end_corrections =
         definition->correct_ends_by_generating_function && options->passes != TVI_PREDICT_ONLY;
-    const size_t n = (size_t)system->n * (size_t)width;
+    const size_t n = (size_t)system->n;
     work w = {.has_symplectic_end_corrections = has_symplectic_end_corrections,
               .confirms_convergence_by_extra_pass = definition->needs_extra_newton_pass,
               .options = options,
               .q_degree = options->degree};
-    allocate_corrected_curve(&w.corrected_curve, arena, system, options, has_symplectic_end_corrections, width);
+    allocate_corrected_curve(&w.corrected_curve, arena, system, options, has_symplectic_end_corrections);
     const tvi_curve *curve = &w.corrected_curve.curve;
     tvi_coefficient_combination *const combinations[] = {
         &w.q_start_minus_centre_weights, &w.q_at_centre_weights,    &w.velocity_at_centre_weights,
@@ -81,12 +80,12 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
         tvi_legendre_allocate(&w.legendre_transform, arena, system);
         w.velocity_guess = tvi_arena_allocate_restored_if_step_fails(arena, n * sizeof *w.velocity_guess);
     }
-    if (!definition->correct_ends_by_generating_function) allocate_plain_taylor_step(&w, arena, width);
+    if (!definition->correct_ends_by_generating_function) allocate_plain_taylor_step(&w, arena);
     w.scratch = tvi_arena_allocate_doubles(arena, n);
     w.predicted_state = tvi_arena_allocate_doubles(arena, 2 * n);
     if (has_symplectic_end_corrections) {
-        tvi_allocate_action(&w.action, arena, system, options, width);
-        tvi_newton_allocate(&w.newton, arena, 2, system, w.corrected_curve.solver->jacobian != NULL, width);
+        tvi_allocate_action(&w.action, arena, system, options);
+        tvi_newton_allocate(&w.newton, arena, 2, system, w.corrected_curve.solver->jacobian != NULL);
         w.fast_path_step = tvi_choose_fast_path_step(&w.corrected_curve, options);
     }
     if (workspace) *workspace = w;

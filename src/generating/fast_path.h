@@ -1,5 +1,5 @@
-/* fast_path.h - expands a curve with its tangents by the sweeps compiled for one instruction set. The fast-path steps
- * of one member (fast_path.c) and of several members (fast_path_members.c) call it. */
+/* fast_path.h - expands a curve with its tangents by the sweeps compiled for one instruction set. fast_path.c calls
+ * it. */
 #ifndef TVI_SRC_GENERATING_FAST_PATH_H
 #define TVI_SRC_GENERATING_FAST_PATH_H
 
@@ -8,13 +8,12 @@
 
 #include "generating/curve_step.h"
 
-tvi_fast_path_step_fn JET_FOR_ISA(tvi_fast_path_step_of_members), JET_FOR_ISA(tvi_taylor_step_of_members);
 extern const tvi_end_correction_solver JET_FOR_ISA(tvi_solver_by_products);
 
 static inline tvi_status fast_path_expand_with_tangents(tvi_curve *curve)
 {
     const tvi_status status = curve_expand_series(curve);
-    if (status == TVI_OK || curve_member_count(curve) > 1) curve_compute_jacobians(curve);
+    if (status == TVI_OK) curve_compute_jacobians(curve);
     return status;
 }
 

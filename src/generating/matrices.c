@@ -6,20 +6,14 @@
 
 #include <string.h>
 
-/* The iterating_mask of a solver with one member. All of its bits are set, since the solver is called only while the
- * passes of the member run. */
-static const long long single_iterating_mask = -1;
-
 static void allocate_jacobian_factors(tvi_corrected_curve *corrected, tvi_arena *arena)
 {
-    const size_t n = (size_t)corrected->n, width = (size_t)corrected->curve.member_count;
+    const size_t n = (size_t)corrected->n;
     tvi_jacobian_factors *allocated = tvi_arena_allocate(arena, sizeof *allocated), m = {0};
-    m.z_of_last_jacobians = tvi_arena_allocate_doubles(arena, 2 * n * width);
-    m.relative_distance_since_jacobian = tvi_arena_allocate_doubles(arena, width);
-    if (width > 1) m.corrector_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * 2 * n * width);
+    m.z_of_last_jacobians = tvi_arena_allocate_doubles(arena, 2 * n);
     m.scratch_end_state_jacobian = tvi_arena_allocate_doubles(arena, n * 2 * n);
-    tvi_factor_allocate(&m.jacobian_block_factor, arena, corrected->n, 1);
-    tvi_factor_allocate(&m.full_jacobian_factor, arena, 2 * corrected->n, corrected->curve.member_count);
+    tvi_factor_allocate(&m.jacobian_block_factor, arena, corrected->n);
+    tvi_factor_allocate(&m.full_jacobian_factor, arena, 2 * corrected->n);
     if (allocated) *allocated = m;
     corrected->solver_data = allocated;
 }
@@ -91,7 +85,7 @@ static tvi_status solve_by_factors(tvi_corrected_curve *corrected, const tvi_end
  * corrector may reuse the stored one. */
 static bool renew_jacobian_if_outdated(const tvi_corrected_curve *corrected, double jacobian[])
 {
-    return matrices_renew_corrector_jacobians(corrected, &single_iterating_mask, jacobian) > 0;
+    return matrices_renew_corrector_jacobian(corrected, jacobian);
 }
 
 /* ---- The corrections --------------------------------------------------------------------------------------------- */
@@ -99,9 +93,7 @@ static bool renew_jacobian_if_outdated(const tvi_corrected_curve *corrected, dou
 static tvi_status compute_corrections(tvi_corrected_curve *corrected, const double z[], const double scale[],
                                       tvi_stats *stats)
 {
-    long long due_jacobian_mask;
-    matrices_find_members_with_due_jacobians(corrected, z, scale, &single_iterating_mask, &due_jacobian_mask);
-    if (due_jacobian_mask) {
+    if (matrices_are_jacobians_due(corrected, z, scale)) {
         tvi_curve_compute_jacobians(&corrected->curve);
         matrices_record_z_of_jacobians(corrected, z);
         stats->factorisations++;

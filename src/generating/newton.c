@@ -23,13 +23,12 @@ static const tvi_stopping_rule per_group_correction_rule = {.stall_contraction_r
                                                             .stall_comparison_lag = 2};
 
 void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, const tvi_system *system,
-                         bool allocates_jacobian, int width)
+                         bool allocates_jacobian)
 {
     const int size = group_count * system->n;
-    const size_t count = (size_t)size * (size_t)width;
+    const size_t count = (size_t)size;
     newton->is_jacobian_allocated = allocates_jacobian;
     newton->unknown_count = size;
-    newton->member_count = width;
     newton->unknowns_per_group = system->n;
     newton->subsystems = &system->subsystems;
     newton->x = tvi_arena_allocate_doubles(arena, count);
@@ -38,9 +37,9 @@ void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, 
     newton->roundoff_scale = tvi_arena_allocate_doubles(arena, count);
     newton->trial_unknowns = tvi_arena_allocate_doubles(arena, count);
     newton->trial_residual = tvi_arena_allocate_doubles(arena, count);
-    if (allocates_jacobian) tvi_factor_allocate(&newton->factor, arena, size, width);
-    newton->max_contraction_ratio_growth_of_member = tvi_arena_allocate_restored_if_step_fails(
-        arena, (size_t)width * sizeof *newton->max_contraction_ratio_growth_of_member);
+    if (allocates_jacobian) tvi_factor_allocate(&newton->factor, arena, size);
+    newton->max_contraction_ratio_growth =
+        tvi_arena_allocate_restored_if_step_fails(arena, sizeof *newton->max_contraction_ratio_growth);
 }
 
 /* Computes dr/dx by forward differences, for steps so large that passes with the approximate Jacobian do not contract.
@@ -123,9 +122,8 @@ static bool is_correction_roundoff(tvi_newton *newton, const tvi_equations *equa
 {
     memcpy(newton->roundoff_scale, newton->scale, (size_t)newton->unknown_count * sizeof *newton->roundoff_scale);
     compute_roundoff_scales(newton, equations);
-    tvi_correction_sizes sizes;
-    newton_measure_corrections(newton, newton->roundoff_scale, &sizes);
-    if (sizes.relative_group_correction[0] > NEWTON_STALLED_CORRECTION) return false;
+    const tvi_correction_sizes sizes = newton_measure_corrections(newton, newton->roundoff_scale);
+    if (sizes.relative_group_correction > NEWTON_STALLED_CORRECTION) return false;
     record->contraction_ratio_growth = 1; /* the corrections are roundoff, and show no contraction */
     return true;
 }
@@ -138,7 +136,7 @@ static tvi_status run_newton_pass(tvi_newton *newton, const tvi_equations *equat
     if (status != TVI_OK) return status;
     if (is_first) {
         equations->scale(equations->self, newton->scale);
-        newton_raise_scales_of_small_unknowns(newton, 0);
+        newton_raise_scales_of_small_unknowns(newton);
     }
     for (int i = 0; i < newton->unknown_count; i++) newton->correction[i] = -newton->correction[i];
     if (by_differences || (!newton->is_jacobian_by_differences && equations->jacobian)) {
@@ -160,7 +158,7 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
 {
     const tvi_newton_rules *rules = &newton->rules;
     tvi_newton_convergence_record record;
-    tvi_newton_begin_passes(&record, *newton->max_contraction_ratio_growth_of_member, &newton->rules,
+    tvi_newton_begin_passes(&record, *newton->max_contraction_ratio_growth, &newton->rules,
                             newton->confirms_convergence_by_extra_pass);
     int refreshes = 0;
     bool by_differences = false;
@@ -170,15 +168,14 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
         const tvi_status status =
             run_newton_pass(newton, equations, count == 1, newton->is_jacobian_allocated && by_differences, stats);
         if (status != TVI_OK) return status;
-        tvi_correction_sizes sizes;
-        newton_measure_corrections(newton, newton->scale, &sizes);
-        stats->residual = sizes.largest_relative_correction[0];
-        tvi_passes_verdict verdict = tvi_newton_judge_pass(&record, rules, &sizes, 0);
+        const tvi_correction_sizes sizes = newton_measure_corrections(newton, newton->scale);
+        stats->residual = sizes.largest_relative_correction;
+        tvi_passes_verdict verdict = tvi_newton_judge_pass(&record, rules, &sizes);
         if (verdict == TVI_PASSES_STUCK && is_correction_roundoff(newton, equations, &record))
             verdict = TVI_PASSES_MAY_END;
         if (verdict == TVI_PASSES_MAY_END) {
-            *newton->max_contraction_ratio_growth_of_member =
-                tvi_larger(*newton->max_contraction_ratio_growth_of_member, record.contraction_ratio_growth);
+            *newton->max_contraction_ratio_growth =
+                tvi_larger(*newton->max_contraction_ratio_growth, record.contraction_ratio_growth);
             return TVI_OK;
         }
         for (int i = 0; i < newton->unknown_count; i++) newton->x[i] += newton->correction[i];

@@ -28,10 +28,10 @@ typedef struct {
     void (*roundoff)(void *self, double r[]);
 } tvi_equations;
 
-/* The sizes of the corrections of a pass, for each member: the largest correction relative to its unknown's scale, and
- * the largest correction of a group relative to the largest scale of the group. */
+/* The sizes of the corrections of a pass: the largest correction relative to its unknown's scale, and the largest
+ * correction of a group relative to the largest scale of the group. */
 typedef struct {
-    double largest_relative_correction[CURVE_MOST_WIDTH], relative_group_correction[CURVE_MOST_WIDTH];
+    double largest_relative_correction, relative_group_correction;
 } tvi_correction_sizes;
 
 /* The rules by which passes end: per_unknown_correction_rule judges largest_relative_correction, and
@@ -83,14 +83,13 @@ static inline void tvi_newton_update_contraction_ratio_growth(tvi_newton_converg
     record->unconfirmed_ratio_growth = shows && relative_correction > NEWTON_GROWTH_MIN_CORRECTION ? growth : 0;
 }
 
-/* Adds a pass with corrections of these sizes of member m, and judges it. If it returns TVI_PASSES_STUCK, the caller
+/* Adds a pass with corrections of these sizes, and judges it. If it returns TVI_PASSES_STUCK, the caller
  * measures whether the correction is roundoff. */
 static inline tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_convergence_record *record,
-                                                       const tvi_newton_rules *rules, const tvi_correction_sizes *sizes,
-                                                       int m)
+                                                       const tvi_newton_rules *rules, const tvi_correction_sizes *sizes)
 {
-    const double largest_relative_correction = sizes->largest_relative_correction[m],
-                 relative_group_correction = sizes->relative_group_correction[m];
+    const double largest_relative_correction = sizes->largest_relative_correction,
+                 relative_group_correction = sizes->relative_group_correction;
     const double expected = record->passes_measured_per_unknown.expected_next_size;
     tvi_newton_update_contraction_ratio_growth(record, rules, largest_relative_correction);
     record->passes_measured_per_unknown.contraction_ratio_growth =
@@ -114,19 +113,17 @@ typedef struct {
     bool is_jacobian_by_differences;         /* whether the Jacobian in that memory was computed by differences */
     bool confirms_convergence_by_extra_pass; /* whether each solution makes one pass more than seems needed */
     tvi_newton_rules rules;
-    int unknown_count;                /* the number of unknowns of one member */
+    int unknown_count;                /* the number of unknowns */
     int unknowns_per_group;           /* the number of unknowns in one group; all unknowns of a group have one unit */
-    int member_count;                 /* the number of members; the member is the fastest index */
     const tvi_subsystems *subsystems; /* the subsystems of the components */
-    double *x, *correction,
-        *scale;             /* [unknown_count][member_count] the unknowns, their last corrections and natural sizes */
-    double *roundoff_scale; /* the scale plus a multiple of the unknown's change by the residual's roundoff */
+    double *x, *correction, *scale;   /* [unknown_count] the unknowns, their last corrections and natural sizes */
+    double *roundoff_scale;           /* the scale plus a multiple of the unknown's change by the residual's roundoff */
     /* Scratch for the Jacobian by differences: the unknowns with one of them shifted, and the residual there. */
     double *trial_unknowns, *trial_residual;
     tvi_lu_factor factor;
-    /* [member_count] For each member, the largest factor by which the contraction ratio grew from one pass to the next
-     * in earlier solutions, or 0 if there was none; part of the history. */
-    double *max_contraction_ratio_growth_of_member;
+    /* The largest factor by which the contraction ratio grew from one pass to the next in earlier solutions, or 0 if
+     * there was none; part of the history. */
+    double *max_contraction_ratio_growth;
 } tvi_newton;
 
 /* Measures the corrections of one subsystem in each group of unknowns, for the entries begin .. end - 1 of the list of
@@ -135,75 +132,64 @@ typedef struct {
 static inline void newton_measure_subsystem_corrections(const tvi_newton *newton, const double scale[], int begin,
                                                         int end, tvi_correction_sizes *sizes)
 {
-    const int width = CURVE_WIDTH(newton);
-    double *restrict relative = sizes->largest_relative_correction, *restrict relative_group_correction =
-                                                                        sizes->relative_group_correction;
     for (int first = 0; first < newton->unknown_count; first += newton->unknowns_per_group) {
-        double largest[CURVE_MOST_WIDTH] = {0}, largest_scale[CURVE_MOST_WIDTH] = {0}, rest[CURVE_MOST_WIDTH] = {0};
+        double relative = sizes->largest_relative_correction, largest = 0, largest_scale = 0, rest = 0;
         for (int k = begin; k < end; k++) {
-            const int at = (first + tvi_subsystems_component_at(newton->subsystems, k)) * width;
-            for (int m = 0; m < width; m++) {
-                const double correction = newton->correction[at + m], size = fabs(correction);
-                rest[m] += correction - correction;
-                relative[m] = tvi_larger(size / scale[at + m], relative[m]);
-                largest[m] = tvi_larger(size, largest[m]);
-                largest_scale[m] = tvi_larger(scale[at + m], largest_scale[m]);
-            }
+            const int i = first + tvi_subsystems_component_at(newton->subsystems, k);
+            const double correction = newton->correction[i], size = fabs(correction);
+            rest += correction - correction;
+            relative = tvi_larger(size / scale[i], relative);
+            largest = tvi_larger(size, largest);
+            largest_scale = tvi_larger(scale[i], largest_scale);
         }
-        for (int m = 0; m < width; m++) {
-            relative[m] += rest[m];
-            relative_group_correction[m] =
-                tvi_larger(largest[m] / largest_scale[m], relative_group_correction[m]) + rest[m];
-        }
+        sizes->largest_relative_correction = relative + rest;
+        sizes->relative_group_correction = tvi_larger(largest / largest_scale, sizes->relative_group_correction) + rest;
     }
 }
 
-/* Measures the corrections of the unknowns of each member, relative to `scale`. */
-static inline void newton_measure_corrections(const tvi_newton *newton, const double scale[],
-                                              tvi_correction_sizes *sizes)
+/* Measures the corrections of the unknowns, relative to `scale`. */
+static inline tvi_correction_sizes newton_measure_corrections(const tvi_newton *newton, const double scale[])
 {
     const tvi_subsystems *subsystems = newton->subsystems;
-    for (int m = 0; m < CURVE_WIDTH(newton); m++)
-        sizes->largest_relative_correction[m] = sizes->relative_group_correction[m] = 0;
+    tvi_correction_sizes sizes = {0, 0};
     for (int k = 0, begin = 0, end; k < subsystems->count; k++, begin = end) {
         end = tvi_subsystems_end_in_component_list(subsystems, k, newton->unknowns_per_group);
-        newton_measure_subsystem_corrections(newton, scale, begin, end, sizes);
+        newton_measure_subsystem_corrections(newton, scale, begin, end, &sizes);
     }
+    return sizes;
 }
 
-/* Raises the scales of the small unknowns of one member in one subsystem, group by group. A scale of 0 becomes the
- * largest scale of the group in the subsystem, or 1 if all are 0. Any other scale is raised to at least
- * NEWTON_MIN_SCALE times the largest one, and to DBL_MIN. An unknown that is much smaller than the others of its group,
- * such as a body that a wave has not reached, is thus measured by these. */
-static inline void newton_raise_small_scales_in_subsystem(const tvi_newton *newton, int member, int begin, int end)
+/* Raises the scales of the small unknowns in one subsystem, group by group. A scale of 0 becomes the largest scale of
+ * the group in the subsystem, or 1 if all are 0. Any other scale is raised to at least NEWTON_MIN_SCALE times the
+ * largest one, and to DBL_MIN. An unknown that is much smaller than the others of its group, such as a body that a wave
+ * has not reached, is thus measured by these. */
+static inline void newton_raise_small_scales_in_subsystem(const tvi_newton *newton, int begin, int end)
 {
-    const int width = CURVE_WIDTH(newton);
     for (int first = 0; first < newton->unknown_count; first += newton->unknowns_per_group) {
-        double largest = 0, *scale = newton->scale + first * width + member;
+        double largest = 0, *scale = newton->scale + first;
         for (int k = begin; k < end; k++)
-            largest = tvi_larger(scale[tvi_subsystems_component_at(newton->subsystems, k) * width], largest);
+            largest = tvi_larger(scale[tvi_subsystems_component_at(newton->subsystems, k)], largest);
         for (int k = begin; k < end; k++) {
-            const int i = tvi_subsystems_component_at(newton->subsystems, k) * width;
+            const int i = tvi_subsystems_component_at(newton->subsystems, k);
             if (scale[i] == 0) scale[i] = largest > 0 ? largest : 1;
             else scale[i] = tvi_larger(tvi_larger(NEWTON_MIN_SCALE * largest, DBL_MIN), scale[i]);
         }
     }
 }
 
-/* Raises the scales of the small unknowns of one member in all subsystems. */
-static inline void newton_raise_scales_of_small_unknowns(const tvi_newton *newton, int member)
+static inline void newton_raise_scales_of_small_unknowns(const tvi_newton *newton)
 {
     const tvi_subsystems *subsystems = newton->subsystems;
     for (int k = 0, begin = 0, end; k < subsystems->count; k++, begin = end) {
         end = tvi_subsystems_end_in_component_list(subsystems, k, newton->unknowns_per_group);
-        newton_raise_small_scales_in_subsystem(newton, member, begin, end);
+        newton_raise_small_scales_in_subsystem(newton, begin, end);
     }
 }
 
 /* Allocates the corrector of equations with group_count groups of n unknowns. allocates_jacobian says whether it gets
  * memory for a Jacobian matrix; equations with a `solve` need none. */
 void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, const tvi_system *system,
-                         bool allocates_jacobian, int width);
+                         bool allocates_jacobian);
 
 /* Sets the rules, once. confirms_convergence_by_extra_pass says that the first contraction is no measure of the later
  * ones, so that there is always one more pass than seems needed. */

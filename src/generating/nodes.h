@@ -32,7 +32,6 @@ typedef struct tvi_action {
     int q_degree, p_degree; /* the degrees to which position and momentum are summed */
     int node_count;         /* the number of nodes, with those that pad a half */
     int order_count;        /* the number of orders of the curve, highest_order + 1 */
-    int member_count;       /* the number of members; rows of nodes are [node_count][member_count] */
     /* [node_count] The nodes s_i in scaled time, and their weights, whose sum is end_s - start_s. */
     double *node_scaled_time, *node_weight;
     /* The number of nodes in a mirrored half, padded to whole vectors, or 0 if the nodes do not mirror each other or if
@@ -75,21 +74,15 @@ typedef struct tvi_action {
 /* ---- The curve at the nodes -------------------------------------------------------------------------------------- */
 
 /* SEEDS_HALF is the largest number of even orders or of odd orders of a curve, padded to whole vectors. */
-enum { SEEDS_HALF = (TVI_MAX_DEGREE + 2) / 2 + 4, SEEDS_MOST_HALF = SEEDS_HALF * CURVE_MOST_WIDTH };
+enum { SEEDS_HALF = (TVI_MAX_DEGREE + 2) / 2 + 4 };
 static inline int seeds_round_up_to_vectors(int count) { return (count + 3) / 4 * 4; }
 
-/* Returns the length of a row: the number of nodes times the number of members. */
-static inline int seeds_count_lanes(const tvi_action *action) { return action->node_count * CURVE_WIDTH(action); }
-
-/* Computes out[o] = sum_{j < row_count} c_j table[j][o] for o < row_length, with c_j = coefficient[j * stride], for
- * each member. */
+/* Computes out[o] = sum_{j < row_count} c_j table[j][o] for o < row_length, with c_j = coefficient[j *
+ * stride]. */
 static inline void seeds_combine_rows(const tvi_action *action, int row_count, const double *coefficient, size_t stride,
                                       int row_length, const double *table, double *out)
 {
-    const int width = CURVE_WIDTH(action);
-    if (width == 1) CURVE_COMBINE(action->field_tape, row_count, coefficient, stride, row_length, table, out);
-    for (int o = 0; width > 1 && o < row_length; o++)
-        CURVE_COMBINE_EACH(row_count, table + o, (size_t)row_length, width, stride, coefficient, out + o * width);
+    CURVE_COMBINE(action->field_tape, row_count, coefficient, stride, row_length, table, out);
 }
 
 /* Evaluates a series at the nodes: row[node] = sum_{k <= degree} c_k table_k(node), with the coefficients c_k =
@@ -97,8 +90,8 @@ static inline void seeds_combine_rows(const tvi_action *action, int row_count, c
 static inline void seeds_evaluate_series_at_nodes(const tvi_action *action, int degree, const double *coefficients,
                                                   size_t stride, const tvi_node_table *table, double row[])
 {
-    const int lanes = seeds_count_lanes(action) / 2;
-    double even[SEEDS_MOST_HALF], odd[SEEDS_MOST_HALF];
+    const int lanes = action->node_count / 2;
+    double even[SEEDS_HALF], odd[SEEDS_HALF];
     if (action->half_node_count == 0) {
         seeds_combine_rows(action, degree + 1, coefficients, stride, action->node_count, table->values_of_all_orders,
                            row);
@@ -116,30 +109,28 @@ static inline void seeds_evaluate_series_at_nodes(const tvi_action *action, int 
 
 static inline void seeds_set_node_times(const tvi_action *action, const tvi_curve *curve, double *x)
 {
-    double *t = x + curve_field_input_count(curve) * seeds_count_lanes(action);
+    double *t = x + curve_field_input_count(curve) * action->node_count;
     if (!curve_uses_time(curve)) return;
     for (int node = 0; node < action->node_count; node++)
-        for (int m = 0; m < curve_member_count(curve); m++)
-            *t++ = JET_FUSED(jet_v1, curve->time_unit, action->node_scaled_time[node], curve_time_slot(curve, 0)[m]);
+        t[node] = JET_FUSED(jet_v1, curve->time_unit, action->node_scaled_time[node], *curve_time_slot(curve, 0));
 }
 
 /* Writes the curve's coordinates q_i at the nodes, and the times of the nodes, into the inputs of the block x. */
 static inline void seeds_set_node_coordinates_and_times(const tvi_action *action, const tvi_curve *curve, double *x)
 {
-    const int width = curve_member_count(curve);
     for (int i = 0; i < curve_dimension(curve); i++)
-        seeds_evaluate_series_at_nodes(action, action->q_degree, tvi_curve_position_coefficients(curve, 0) + i * width,
+        seeds_evaluate_series_at_nodes(action, action->q_degree, tvi_curve_position_coefficients(curve, 0) + i,
                                        tvi_curve_order_stride(curve), &action->power_table_truncated_by_node_rule,
-                                       x + i * seeds_count_lanes(action));
+                                       x + i * action->node_count);
     seeds_set_node_times(action, curve, x);
 }
 
 /* Computes the velocities v = (dq/ds)/tau at the nodes. */
 static inline void seeds_set_node_velocities(const tvi_action *action, const tvi_curve *curve, double *v)
 {
-    const int lanes = seeds_count_lanes(action), width = curve_member_count(curve);
+    const int lanes = action->node_count;
     for (int i = 0; i < curve_dimension(curve); i++) {
-        seeds_evaluate_series_at_nodes(action, action->q_degree, tvi_curve_position_coefficients(curve, 0) + i * width,
+        seeds_evaluate_series_at_nodes(action, action->q_degree, tvi_curve_position_coefficients(curve, 0) + i,
                                        tvi_curve_order_stride(curve), &action->slope_table, v + i * lanes);
         for (int at = i * lanes; at < (i + 1) * lanes; at++) v[at] /= curve->time_unit;
     }
@@ -150,14 +141,14 @@ static inline void seeds_set_node_velocities(const tvi_action *action, const tvi
  */
 static inline void seeds_compute_node_momenta(tvi_action *action, const tvi_curve *curve)
 {
-    const int width = curve_member_count(curve), lanes = seeds_count_lanes(action), degree = action->p_degree;
+    const int lanes = action->node_count, degree = action->p_degree;
     const bool has_momenta = action->is_phase_space_action || action->has_gradient_by_v;
     if (!has_momenta && !action->summation_by_parts_error && curve_system_form(curve) == TVI_SEPARABLE) return;
     curve_compute_momentum_coefficients(curve, degree, action->momentum_coefficients);
     if (!has_momenta) return;
     for (int i = 0; i < curve_dimension(curve); i++)
-        seeds_evaluate_series_at_nodes(action, degree, action->momentum_coefficients + i * width,
-                                       (size_t)curve_coefficient_row_length(curve), &action->power_table,
+        seeds_evaluate_series_at_nodes(action, degree, action->momentum_coefficients + i,
+                                       (size_t)curve_dimension(curve), &action->power_table,
                                        action->p_at_nodes + i * lanes);
 }
 
@@ -177,40 +168,39 @@ static inline void seeds_divide_row(int lanes, double divisor, double row[])
  * q'' / tau, with q'' the second derivative in s. */
 static inline void seeds_compute_dp_ds_at_nodes(tvi_action *action, const tvi_curve *curve)
 {
-    const int width = curve_member_count(curve), lanes = seeds_count_lanes(action), degree = action->p_degree;
+    const int lanes = action->node_count, degree = action->p_degree;
     const size_t stride = tvi_curve_order_stride(curve);
     double *force = action->dp_ds_at_nodes;
     for (int i = 0; i < curve_dimension(curve); i++, force += lanes)
         if (curve_system_form(curve) == TVI_SEPARABLE) {
-            seeds_evaluate_series_at_nodes(action, degree + 1, tvi_curve_position_coefficients(curve, 0) + i * width,
-                                           stride, &action->power_second_derivative_table, force);
+            seeds_evaluate_series_at_nodes(action, degree + 1, tvi_curve_position_coefficients(curve, 0) + i, stride,
+                                           &action->power_second_derivative_table, force);
             seeds_divide_row(lanes, curve->momentum_scale_factor[i], force);
         } else {
-            seeds_evaluate_series_at_nodes(action, degree, action->momentum_coefficients + i * width,
-                                           (size_t)curve_coefficient_row_length(curve), &action->slope_table, force);
+            seeds_evaluate_series_at_nodes(action, degree, action->momentum_coefficients + i,
+                                           (size_t)curve_dimension(curve), &action->slope_table, force);
         }
 }
 
 static inline const double *seeds_get_field_output_row(const tvi_action *action, const jet_tape *tape, const double *x,
                                                        int i)
 {
-    return x + (size_t)tape->output_slot[i] * (size_t)seeds_count_lanes(action);
+    return x + (size_t)tape->output_slot[i] * (size_t)action->node_count;
 }
 
 /* ---- The field at the nodes -------------------------------------------------------------------------------------- */
 
 static inline tvi_status seeds_evaluate_field_at_nodes(const tvi_action *action)
 {
-    return jet_sweep_values(action->field_tape, action->field_tape_values_at_nodes, seeds_count_lanes(action))
-               ? TVI_OK
-               : TVI_EDOMAIN;
+    return jet_sweep_values(action->field_tape, action->field_tape_values_at_nodes, action->node_count) ? TVI_OK
+                                                                                                        : TVI_EDOMAIN;
 }
 
 /* Copies n outputs of the field at the nodes, from number first_output on, times `factor`, to out [n][node_count]. */
 static inline void seeds_copy_scaled_field_outputs(const tvi_action *action, const tvi_curve *curve, int first_output,
                                                    double factor, double *restrict out)
 {
-    const int lanes = seeds_count_lanes(action);
+    const int lanes = action->node_count;
     for (int i = 0; i < curve_dimension(curve); i++) {
         const double *row = seeds_get_field_output_row(action, action->field_tape, action->field_tape_values_at_nodes,
                                                        first_output + i);
@@ -222,7 +212,7 @@ static inline void seeds_copy_scaled_field_outputs(const tvi_action *action, con
 /* Subtracts the rows of `other` from those of out. */
 static inline void seeds_subtract_rows(const tvi_action *action, int n, const double *other, double *restrict out)
 {
-    for (int i = 0; i < n * seeds_count_lanes(action); i++) out[i] -= other[i];
+    for (int i = 0; i < n * action->node_count; i++) out[i] -= other[i];
 }
 
 #endif

@@ -188,41 +188,25 @@ static inline void orders_compute_lagrangian_tangents(tvi_curve *curve, const cu
         TVI_QUOTIENT(V, JET_AT(V, p, 0), JET_GATHER(V, field, output + here) * -tau, divisor)                          \
     }
 
-/* Sets a coefficient of component i, next[i], of all members from the field's slot `slot`. */
-#define ORDERS_SET_COEFFICIENT_OF_MEMBERS(V, S)                                                                        \
-    TVI_QUOTIENT(V, JET_AT(V, next, i), factor *JET_OF(V, field, slot) * tau, divisor)
-static inline void orders_compute_coefficient_of_members(int width, double factor, double tau, double divisor,
-                                                         const double *field, int slot, double *next, int i)
-{
-    const size_t stride = (size_t)width;
-    JET_BLOCKS(width, ORDERS_SET_COEFFICIENT_OF_MEMBERS, );
-}
-
 /* The coefficients are divided by k, and not tau: tau / k would have the same roundoff in every step, and the energy
  * would drift (docs/method.md section 6). For this reason tau^2 / m is computed as kappa tau. */
 static inline void orders_compute_separable_coefficients(const tvi_curve *curve, int k)
 {
     enum { stride = 0 };
-    const int n = curve_dimension(curve), width = curve_member_count(curve), *output = curve_field_output_slots(curve);
+    const int n = curve_dimension(curve), *output = curve_field_output_slots(curve);
     const double divisor = (k + 1) * (k + 2), tau = curve->time_unit, *kappa = curve->momentum_scale_factor,
                  *field = tvi_curve_field_inputs_of_order(curve, k);
     double *next = tvi_curve_field_inputs_of_order(curve, k + 2);
-    if (width == 1) JET_BLOCKS(n, ORDERS_SET_SEPARABLE, );
-    for (int i = 0; width > 1 && i < n; i++)
-        orders_compute_coefficient_of_members(width, kappa[i], tau, divisor, field, output[i], next, i);
+    JET_BLOCKS(n, ORDERS_SET_SEPARABLE, );
 }
 
 static inline void orders_compute_hamiltonian_coefficients(const tvi_curve *curve, int k)
 {
     enum { stride = 0 };
-    const int n = curve_dimension(curve), width = curve_member_count(curve), *output = curve_field_output_slots(curve);
+    const int n = curve_dimension(curve), *output = curve_field_output_slots(curve);
     const double divisor = k + 1, tau = curve->time_unit, *field = tvi_curve_field_inputs_of_order(curve, k);
     double *q = tvi_curve_field_inputs_of_order(curve, k + 1), *p = q + n;
-    if (width == 1) JET_BLOCKS(n, ORDERS_SET_HAMILTONIAN, );
-    for (int i = 0; width > 1 && i < n; i++) {
-        orders_compute_coefficient_of_members(width, 1, tau, divisor, field, output[n + i], q, i);
-        orders_compute_coefficient_of_members(width, 1, -tau, divisor, field, output[i], q, n + i);
-    }
+    JET_BLOCKS(n, ORDERS_SET_HAMILTONIAN, );
 }
 
 /* Computes next = factor * field, of one component's tangents in `lanes` directions, in whole vectors, since the next
@@ -297,16 +281,13 @@ static inline void curve_compute_tangents_of_order(tvi_curve *curve, const curve
     }
 }
 
-/* Computes the tangents of the curve last expanded: of one member in blocks of directions, and of several members one
- * direction after the other. */
+/* Computes the tangents of the curve last expanded, in blocks of directions. */
 static inline void curve_compute_jacobians(tvi_curve *curve)
 {
-    const int directions = 2 * curve_dimension(curve), width = curve_member_count(curve),
-              most = width > 1 ? 1 : CURVE_TANGENT_DIRECTIONS;
-    for (int first = 0; first < directions; first += most) {
-        const int left = directions - first, count = left < most ? left : most;
-        const size_t lanes = (size_t)(width * count);
-        const curve_tangent_block block = {lanes, tvi_curve_order_stride(curve) * (size_t)count, first};
+    const int directions = 2 * curve_dimension(curve);
+    for (int first = 0; first < directions; first += CURVE_TANGENT_DIRECTIONS) {
+        const int left = directions - first, count = left < CURVE_TANGENT_DIRECTIONS ? left : CURVE_TANGENT_DIRECTIONS;
+        const curve_tangent_block block = {(size_t)count, tvi_curve_order_stride(curve) * (size_t)count, first};
         curve_prepare_tangent_block(curve, &block);
         for (int k = 0; k <= curve_highest_order(curve); k++) curve_compute_tangents_of_order(curve, &block, k);
         curve_store_jacobians_from_tangents(curve, &block);

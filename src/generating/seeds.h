@@ -74,13 +74,13 @@ static inline tvi_status seeds_compute_lagrange_node_gradient(tvi_action *action
 /* Computes the terms of Hamilton's action at on-curve nodes: gradient_by_q = -tau H_q, gradient_by_p = g. - tau H_p. */
 static inline tvi_status seeds_compute_hamilton_node_gradient(tvi_action *action, const tvi_curve *curve)
 {
-    const int n = curve_dimension(curve), lanes = seeds_count_lanes(action);
+    const int n = curve_dimension(curve), lanes = action->node_count;
     const bool separable = curve_system_form(curve) == TVI_SEPARABLE;
     if (!separable)
         memcpy(action->field_tape_values_at_nodes + n * lanes, action->p_at_nodes,
                (size_t)(n * lanes) * sizeof(double));
     const tvi_status status = seeds_evaluate_field_at_nodes(action);
-    if (status != TVI_OK && curve_member_count(curve) == 1) return status;
+    if (status != TVI_OK) return status;
     seeds_copy_scaled_field_outputs(action, curve, 0, separable ? curve->time_unit : -curve->time_unit,
                                     action->gradient_by_q);
     if (!action->has_gradient_by_p) return status;
@@ -102,11 +102,11 @@ static inline tvi_status seeds_compute_hamilton_node_gradient(tvi_action *action
 static inline const double *seeds_sum_over_nodes(const tvi_action *action, const tvi_node_table *weighted,
                                                  const double *x)
 {
-    const int half = action->half_node_count, orders = action->order_count, width = CURVE_WIDTH(action);
-    const int lanes = seeds_count_lanes(action) / 2, padded = seeds_round_up_to_vectors((orders + 1) / 2);
-    double sum[SEEDS_MOST_HALF], difference[SEEDS_MOST_HALF], even[SEEDS_MOST_HALF], odd[SEEDS_MOST_HALF];
+    const int half = action->half_node_count, orders = action->order_count;
+    const int lanes = action->node_count / 2, padded = seeds_round_up_to_vectors((orders + 1) / 2);
+    double sum[SEEDS_HALF], difference[SEEDS_HALF], even[SEEDS_HALF], odd[SEEDS_HALF];
     if (half == 0) {
-        seeds_combine_rows(action, action->node_count, x, (size_t)width, orders, weighted->values_of_all_orders,
+        seeds_combine_rows(action, action->node_count, x, 1, orders, weighted->values_of_all_orders,
                            action->node_sums_by_order);
         return action->node_sums_by_order;
     }
@@ -116,20 +116,10 @@ static inline const double *seeds_sum_over_nodes(const tvi_action *action, const
         difference[i] = x[i] - x[lanes + i];
     }
     const bool keeps = weighted->mirror_sign > 0;
-    seeds_combine_rows(action, half, keeps ? sum : difference, (size_t)width, padded, weighted->values_of_even_orders,
-                       even);
-    seeds_combine_rows(action, half, keeps ? difference : sum, (size_t)width, padded, weighted->values_of_odd_orders,
-                       odd);
-    for (int k = 0; k < orders; k++)
-        for (int m = 0; m < width; m++)
-            action->node_sums_by_order[k * width + m] = (k % 2 == 0 ? even : odd)[k / 2 * width + m];
+    seeds_combine_rows(action, half, keeps ? sum : difference, 1, padded, weighted->values_of_even_orders, even);
+    seeds_combine_rows(action, half, keeps ? difference : sum, 1, padded, weighted->values_of_odd_orders, odd);
+    for (int k = 0; k < orders; k++) action->node_sums_by_order[k] = (k % 2 == 0 ? even : odd)[k / 2];
     return action->node_sums_by_order;
-}
-
-/* Returns a pointer to the seed of order k and component i. */
-static inline double *seeds_get_seed_of_component(const tvi_curve *curve, double seed[], int k, int i)
-{
-    return seed + k * curve_coefficient_row_length(curve) + i * curve_member_count(curve);
 }
 
 /* Sets the seeds of sum_i w_i [ dq_i^T gradient_by_q - dg_i^T dp/ds ] over the nodes i, with dq_i the Jacobian of the
@@ -138,15 +128,14 @@ static inline double *seeds_get_seed_of_component(const tvi_curve *curve, double
  * does; the last sum subtracts it from the seed of order N. */
 static inline void seeds_set_gradient_by_q_terms(tvi_action *action, const tvi_curve *curve, double seed[])
 {
-    const int n = curve_dimension(curve), width = curve_member_count(curve), lanes = seeds_count_lanes(action);
+    const int n = curve_dimension(curve), lanes = action->node_count;
     const int points = action->node_count, N = action->q_degree;
     /* gradient_by_q becomes the small difference gradient_by_q - dp/ds. */
     seeds_subtract_rows(action, n, action->dp_ds_at_nodes, action->gradient_by_q);
     for (int i = 0; i < n; i++) {
         const double *defect = action->gradient_by_q + i * lanes, *force = action->dp_ds_at_nodes + i * lanes;
         const double *row = seeds_sum_over_nodes(action, &action->weighted_power_table, defect);
-        for (int k = 0; k <= N; k++)
-            for (int m = 0; m < width; m++) seeds_get_seed_of_component(curve, seed, k, i)[m] = row[k * width + m];
+        for (int k = 0; k <= N; k++) seed[k * n + i] = row[k];
         if (!action->omits_highest_order_at_nodes) continue;
         for (int node = 0; node < points; node++)
             seed[N * n + i] -= action->node_weight[node] * (defect[node] + force[node]) *
@@ -169,20 +158,16 @@ static inline void seeds_add_gradient_by_v_terms(const tvi_action *action, int n
 static inline void seeds_add_gradient_by_p_terms(const tvi_action *action, const tvi_curve *curve, double seed_Q[],
                                                  double seed_U[])
 {
-    const int n = curve_dimension(curve), width = curve_member_count(curve);
+    const int n = curve_dimension(curve);
     for (int i = 0; i < n; i++) {
-        const double *row = seeds_sum_over_nodes(action, &action->weighted_power_table,
-                                                 action->gradient_by_p + i * seeds_count_lanes(action));
+        const double *row =
+            seeds_sum_over_nodes(action, &action->weighted_power_table, action->gradient_by_p + i * action->node_count);
         const double kappa = curve->momentum_scale_factor[i];
-        for (int k = 0; k <= action->p_degree; k++, row += width) {
+        for (int k = 0; k <= action->p_degree; k++) {
             const bool is_of_Q = curve_system_form(curve) == TVI_SEPARABLE;
             if (is_of_Q && k == curve_highest_order(curve)) continue;
-            double *restrict seed = is_of_Q ? seeds_get_seed_of_component(curve, seed_Q, k + 1, i)
-                                            : seeds_get_seed_of_component(curve, seed_U, k, i);
-            if (is_of_Q)
-                for (int m = 0; m < width; m++) seed[m] += (k + 1) * (row[m] / kappa);
-            else
-                for (int m = 0; m < width; m++) seed[m] = row[m] / kappa;
+            if (is_of_Q) seed_Q[(k + 1) * n + i] += (k + 1) * (row[k] / kappa);
+            else seed_U[k * n + i] = row[k] / kappa;
         }
     }
 }
@@ -190,7 +175,7 @@ static inline void seeds_add_gradient_by_p_terms(const tvi_action *action, const
 static inline void seeds_add_corrections_for_inexact_quadrature(const tvi_action *action, const tvi_curve *curve,
                                                                 double seed[])
 {
-    const int n = curve_coefficient_row_length(curve);
+    const int n = curve_dimension(curve);
     for (int k = 0; k <= action->q_degree; k++)
         for (int j = 0; j <= action->p_degree; j++) {
             const double error = action->summation_by_parts_error[k * (curve_highest_order(curve) + 1) + j];
@@ -206,8 +191,8 @@ static inline void seeds_add_corrections_for_inexact_quadrature(const tvi_action
 static inline void seeds_clear_seeds_and_evaluate_curve_at_nodes(tvi_action *action, const tvi_curve *curve,
                                                                  double seed_Q[], double seed_U[])
 {
-    const int seeds = (curve_highest_order(curve) + 1) * curve_coefficient_row_length(curve);
-    for (int i = (action->q_degree + 1) * curve_coefficient_row_length(curve); i < seeds; i++) seed_Q[i] = 0;
+    const int seeds = (curve_highest_order(curve) + 1) * curve_dimension(curve);
+    for (int i = (action->q_degree + 1) * curve_dimension(curve); i < seeds; i++) seed_Q[i] = 0;
     for (int i = 0; i < seeds && curve_system_form(curve) != TVI_SEPARABLE; i++) seed_U[i] = 0;
     seeds_compute_node_momenta(action, curve);
     seeds_compute_dp_ds_at_nodes(action, curve);
@@ -242,7 +227,7 @@ static inline tvi_status seeds_compute_adjoint_seeds_from_field_only(tvi_action 
     const tvi_status status = action->is_phase_space_action ? seeds_compute_hamilton_node_gradient(action, curve)
                               : action->has_gradient_by_v   ? seeds_compute_lagrange_node_gradient(action, curve)
                                                             : seeds_compute_separable_node_gradient(action, curve);
-    if (status == TVI_OK || curve_member_count(curve) > 1)
+    if (status == TVI_OK)
         seeds_compute_from_node_gradient(action, curve, q_coefficient_seed, scaled_p_coefficient_seed);
     return status;
 }
@@ -250,19 +235,9 @@ static inline tvi_status seeds_compute_adjoint_seeds_from_field_only(tvi_action 
 /* ---- Fast-path steps --------------------------------------------------------------------------------------------- */
 
 struct tvi_curve_workspace;
-/* The results of a fast-path step: the increments dq and dp [n][member_count]; and for each member the tail (tail.h),
- * the residual, which is the size of the last correction, and the number of passes, or TVI_NOT_MADE if its step was not
- * made. A step is made for each member whose iterating_mask is set; the mask of a member is cleared when its passes
- * end. */
-enum { TVI_NOT_MADE = -1 };
-typedef struct {
-    double *dq, *dp, *tail, *residual;
-    int *pass_counts;
-    long long *iterating_mask;
-} tvi_fast_path_step_results;
-/* The type of the functions that make fast-path steps by step_try_fast_path_steps (curve_step.h), each of which is
- * compiled for one instruction set. */
-typedef bool tvi_fast_path_step_fn(struct tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
-                                   const tvi_fast_path_step_results *results, tvi_stats *stats);
+/* The type of the functions that make a fast-path step by step_try_fast_path_step (curve_step.h), each of which is
+ * compiled for one instruction set. Returns false if the step was not made. */
+typedef bool tvi_fast_path_step_fn(struct tvi_curve_workspace *work, double tau, const tvi_step_origin *origin,
+                                   double dq[], double dp[], tvi_stats *stats);
 
 #endif

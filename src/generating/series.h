@@ -25,20 +25,15 @@ typedef struct {
 typedef struct {
     const tvi_system *system;
     tvi_jacobians jacobian_method;
-    int n, highest_order; /* the number of coordinates, and the highest order of Q that is computed */
-    int member_count;     /* the number of members, each with a curve; the member is the fastest index of all arrays */
-    double time_unit;     /* the time unit tau: t = time of the centre + tau s */
+    int n, highest_order;          /* the number of coordinates, and the highest order of Q that is computed */
+    double time_unit;              /* the time unit tau: t = time of the centre + tau s */
     double *momentum_scale_factor; /* [n] the factor kappa that scales the momentum, U_k = kappa P_k */
     double *series_block;          /* block of the series of the field, orders 0 .. highest_order */
     /* The derivatives of all slots along directions of the centre state. A sweep computes at most
-     * tvi_choose_tangent_lane_count directions, and one direction for products or for several members. */
+     * tvi_choose_tangent_lane_count directions, and one direction for products. */
     double *tangent_block;
     size_t tangent_block_lane_count; /* the number of lanes with which tangent_block was last cleared; 0: never */
-    /* Whether a new Jacobian is stored only for the members in due_jacobian_mask, and the others keep their old one;
-     * false for a single member. */
-    bool keeps_old_jacobians;
-    long long *due_jacobian_mask; /* [member_count] the mask of the members whose Jacobians are computed anew */
-    double *adjoint_block;        /* the adjoints of all slots in all orders; only for products */
+    double *adjoint_block;           /* the adjoints of all slots in all orders; only for products */
     /* [highest_order + 1][n][2n] The Jacobian matrices dQ_k/dz and dU_k/dz; dU_dz is NULL for a separable system. */
     double *dQ_dz, *dU_dz;
     double *product_direction;    /* [2n] the direction set by tvi_curve_set_product_direction */
@@ -61,14 +56,6 @@ typedef struct {
 /* ---- The sizes --------------------------------------------------------------------------------------------------- */
 
 static inline int curve_dimension(const tvi_curve *curve) { return curve->n; }
-
-static inline int curve_member_count(const tvi_curve *curve) { return CURVE_WIDTH(curve); }
-
-/* Returns the length of a vector with all components of all members. */
-static inline int curve_coefficient_row_length(const tvi_curve *curve)
-{
-    return curve_dimension(curve) * curve_member_count(curve);
-}
 
 static inline int curve_highest_order(const tvi_curve *curve) { return curve->highest_order; }
 
@@ -106,10 +93,10 @@ static inline bool curve_sums_momentum_coefficients(const tvi_curve *curve,
 
 /* ---- The block of the series ------------------------------------------------------------------------------------- */
 
-/* Returns the distance, in numbers, from one order of the series' block to the next: its slots times the members. */
+/* Returns the distance, in numbers, from one order of the series' block to the next: its slots. */
 static inline size_t tvi_curve_order_stride(const tvi_curve *curve)
 {
-    return (size_t)curve->system->field_series->slot_count * (size_t)curve_member_count(curve);
+    return (size_t)curve->system->field_series->slot_count;
 }
 
 /* Returns the number of tangent directions of one sweep. Small systems have all directions in one sweep, since a partly
@@ -148,7 +135,7 @@ static inline void curve_set_time_unit(tvi_curve *curve, double tau)
 /* Writes the centre state z into the block of the series. The second half of z is tau v for a Lagrangian. */
 static inline void curve_set_centre_state(const tvi_curve *curve, const double z[])
 {
-    const int numbers = curve_coefficient_row_length(curve);
+    const int numbers = curve_dimension(curve);
     const bool is_separable = curve_system_form(curve) == TVI_SEPARABLE;
     double *q = tvi_curve_field_inputs_of_order(curve, 0),
            *second = is_separable ? tvi_curve_field_inputs_of_order(curve, 1) : q + numbers;
@@ -159,33 +146,30 @@ static inline void curve_set_centre_state(const tvi_curve *curve, const double z
     }
 }
 
-/* Returns the address of the time at order k in the block, [member_count], for systems that use the time. */
+/* Returns the address of the time at order k in the block, for systems that use the time. */
 static inline double *curve_time_slot(const tvi_curve *curve, int k)
 {
-    return tvi_curve_field_inputs_of_order(curve, k) + curve_field_input_count(curve) * curve_member_count(curve);
+    return tvi_curve_field_inputs_of_order(curve, k) + curve_field_input_count(curve);
 }
 
-/* Sets the times of the centres to t + (t_low + time_offset), each [member_count]. */
-static inline void curve_set_centre_time(const tvi_curve *curve, const double t[], const double t_low[],
-                                         double time_offset)
+/* Sets the time of the centre to t + (t_low + time_offset). */
+static inline void curve_set_centre_time(const tvi_curve *curve, double t, double t_low, double time_offset)
 {
     if (!curve_uses_time(curve)) return;
-    for (int m = 0; m < curve_member_count(curve); m++) {
-        curve_time_slot(curve, 0)[m] = t[m] + (t_low[m] + time_offset);
-        if (curve_highest_order(curve) > 0) curve_time_slot(curve, 1)[m] = curve->time_unit;
-    }
+    *curve_time_slot(curve, 0) = t + (t_low + time_offset);
+    if (curve_highest_order(curve) > 0) *curve_time_slot(curve, 1) = curve->time_unit;
 }
 
 /* ---- Sums -------------------------------------------------------------------------------------------------------- */
 
-/* Returns U_k = kappa P_k of component i; of several members, i counts the components of all members. */
+/* Returns U_k = kappa P_k of component i. */
 static inline double tvi_curve_momentum_coefficient(const tvi_curve *curve, int k, int i)
 {
     switch (curve_system_form(curve)) {
     case TVI_SEPARABLE:
         return k < curve_highest_order(curve) ? (k + 1) * tvi_curve_field_inputs_of_order(curve, k + 1)[i] : 0;
     case TVI_LAGRANGIAN: return tvi_curve_field_output(curve, k, curve_dimension(curve) + i);
-    default: return (tvi_curve_field_inputs_of_order(curve, k) + curve_coefficient_row_length(curve))[i];
+    default: return (tvi_curve_field_inputs_of_order(curve, k) + curve_dimension(curve))[i];
     }
 }
 
@@ -205,7 +189,7 @@ static inline bool curve_has_finite_coefficients(const tvi_curve *curve)
  * sum_k |P_k| for p. */
 static inline void curve_compute_centre_state_sizes(const tvi_curve *curve, double size[])
 {
-    const int numbers = curve_coefficient_row_length(curve);
+    const int numbers = curve_dimension(curve);
     const bool hamiltonian = curve_system_form(curve) == TVI_HAMILTONIAN;
     memset(size, 0, 2 * (size_t)numbers * sizeof *size);
     for (int k = curve_highest_order(curve); k >= 0; k--) {
@@ -220,11 +204,10 @@ static inline void curve_compute_centre_state_sizes(const tvi_curve *curve, doub
 /* Computes P_k of all orders k, [degree + 1][n]. */
 static inline void curve_compute_momentum_coefficients(const tvi_curve *curve, int degree, double out[])
 {
-    const int n = curve_dimension(curve), width = curve_member_count(curve);
-    for (int k = 0; k <= degree; k++, out += n * width)
+    const int n = curve_dimension(curve);
+    for (int k = 0; k <= degree; k++, out += n)
         for (int i = 0; i < n; i++)
-            for (int at = i * width; at < (i + 1) * width; at++)
-                out[at] = tvi_curve_momentum_coefficient(curve, k, at) / curve->momentum_scale_factor[i];
+            out[i] = tvi_curve_momentum_coefficient(curve, k, i) / curve->momentum_scale_factor[i];
 }
 
 typedef void curve_row_adder(size_t, const double[], size_t, size_t, const double[], double[]);
@@ -232,7 +215,7 @@ typedef void curve_row_adder(size_t, const double[], size_t, size_t, const doubl
 static inline void curve_sum_combination_with_adder(curve_row_adder *add, const tvi_curve *curve,
                                                     const tvi_coefficient_combination *combination, double out[])
 {
-    const int n = curve_dimension(curve), numbers = curve_coefficient_row_length(curve);
+    const int n = curve_dimension(curve), numbers = curve_dimension(curve);
     memset(out, 0, (size_t)numbers * sizeof *out);
     const size_t orders = (size_t)curve_highest_order(curve) + 1, stride = tvi_curve_order_stride(curve);
     if (curve_sums_momentum_coefficients(curve, combination) && curve_system_form(curve) == TVI_LAGRANGIAN)
@@ -277,27 +260,17 @@ static inline void curve_compute_displacement_sizes(const tvi_curve *curve)
                                      curve->momentum_size);
 }
 
-/* Computes the tail of each member (tvi_stats.tail): its last term relative to the momentum or the movement. */
-static inline void curve_compute_relative_last_term_per_member(const tvi_curve *curve, double tail_of_member[])
-{
-    const int width = curve_member_count(curve);
-    double *share = curve->motion_share_for_tail, *ratio = curve->last_term_ratio_for_tail;
-    for (int m = 0; m < width; m++) tail_of_member[m] = 0;
-    if (curve_p_degree(curve) < 2) return;
-    for (int at = 0; at < curve_coefficient_row_length(curve); at++) {
-        const tvi_component_sizes_in_step component = curve_compute_tail_inputs_of_component(curve, at);
-        share[at] = tvi_component_share_of_step_motion(&component, curve->system->has_tail_shares_without_momenta);
-        ratio[at] = tvi_largest_relative_last_series_term(&component);
-    }
-    tvi_compute_tails_of_ensemble_members(&curve->system->tail_subsystems, curve_dimension(curve), width, share, ratio,
-                                          tail_of_member);
-}
-
+/* Computes the tail (tvi_stats.tail): the last term relative to the momentum or the movement. */
 static inline double curve_compute_tail(const tvi_curve *curve)
 {
-    double tail;
-    curve_compute_relative_last_term_per_member(curve, &tail);
-    return tail;
+    double *share = curve->motion_share_for_tail, *ratio = curve->last_term_ratio_for_tail;
+    if (curve_p_degree(curve) < 2) return 0;
+    for (int i = 0; i < curve_dimension(curve); i++) {
+        const tvi_component_sizes_in_step component = curve_compute_tail_inputs_of_component(curve, i);
+        share[i] = tvi_component_share_of_step_motion(&component, curve->system->has_tail_shares_without_momenta);
+        ratio[i] = tvi_largest_relative_last_series_term(&component);
+    }
+    return tvi_compute_tail(&curve->system->tail_subsystems, curve_dimension(curve), share, ratio);
 }
 
 /* Returns a bound of the energy change |q'| |dp| + |p'| |dq| by the omitted terms dq and dp. The bound is a multiple of

@@ -183,8 +183,7 @@ static inline void step_size_rescale_and_sum_rows(const tvi_curve *curve, int co
 static inline void step_size_rescale_and_sum_separable(const tvi_curve *curve, const double power[], double dq[],
                                                        double du[])
 {
-    const tvi_taylor_rows rows = {curve_coefficient_row_length(curve), 2, curve_highest_order(curve),
-                                  tvi_curve_order_stride(curve)};
+    const tvi_taylor_rows rows = {curve_dimension(curve), 2, curve_highest_order(curve), tvi_curve_order_stride(curve)};
     const tvi_taylor_sums sums = {dq, curve->displacement_size, du, curve->momentum_size};
     taylor_rescale_and_sum(&rows, power, curve->series_block, &sums, true);
     for (int i = 0; i < curve_dimension(curve); i++) curve->momentum_scale_factor[i] *= power[1];
@@ -206,7 +205,7 @@ static inline void step_size_compute_powers(double factor, int highest_order, do
 static inline void curve_rescale_and_sum(tvi_curve *curve, double factor, double dq[], double du[])
 {
     const int n = curve_dimension(curve), q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
-    const int numbers = curve_coefficient_row_length(curve);
+    const int numbers = curve_dimension(curve);
     const tvi_form form = curve_system_form(curve);
     double power[TVI_MAX_DEGREE + 1 + STEP_SIZE_CHAINS];
     step_size_compute_powers(factor, curve_highest_order(curve), power);

@@ -14,10 +14,9 @@ typedef struct {
 } curve_tangent_block;
 
 /* Returns how many directions the block contains. They are fewer than its lanes if the last block is wider than the
- * number of directions left. With several members all lanes belong to one direction. */
+ * number of directions left. */
 static inline int curve_count_directions(const tvi_curve *curve, const curve_tangent_block *block)
 {
-    if (curve_member_count(curve) > 1) return 1;
     const int left = 2 * curve_dimension(curve) - block->first_direction;
     return left < (int)block->lane_count ? left : (int)block->lane_count;
 }
@@ -42,7 +41,7 @@ static inline void curve_set_unit_directions(tvi_curve *curve, const curve_tange
         double *row = is_second && form == TVI_SEPARABLE ? curve_tangent_row(curve, block, 1, d - n)
                                                          : curve_tangent_row(curve, block, 0, d);
         for (int lane = 0; lane < (int)block->lane_count; lane++)
-            row[lane] = curve_member_count(curve) > 1 || block->first_direction + lane == d ? 1 : 0;
+            row[lane] = block->first_direction + lane == d ? 1 : 0;
         if (is_second && form == TVI_LAGRANGIAN) row[d - block->first_direction] = 1 / curve->time_unit;
     }
 }
@@ -64,28 +63,18 @@ static inline void curve_prepare_tangent_block(tvi_curve *curve, const curve_tan
     curve_set_unit_directions(curve, block);
 }
 
-/* Copies in[m] to out[m] for each member m whose Jacobians are computed anew. */
-static inline void curve_copy_members_with_due_jacobians(const tvi_curve *curve, const double *in, double *restrict out)
-{
-    const int width = curve_member_count(curve);
-    if (width > 1 && curve->keeps_old_jacobians)
-        for (int m = 0; m < width; m++) out[m] = curve->due_jacobian_mask[m] ? in[m] : out[m];
-    else curve_copy_lanes((size_t)width, in, out);
-}
-
 /* Copies the tangents of n slots, one of each component, to the columns of the block's directions in a Jacobian, for
  * all orders. The slots are slot_of_component, or if that is NULL they follow first_slot. */
 static inline void curve_store_jacobian_columns(const tvi_curve *curve, const curve_tangent_block *block,
                                                 const int slot_of_component[], int first_slot, double *jacobian)
 {
-    const size_t n = (size_t)curve_dimension(curve), width = (size_t)curve_member_count(curve);
+    const size_t n = (size_t)curve_dimension(curve);
     for (int k = 0; k <= curve_highest_order(curve); k++)
         for (size_t i = 0; i < n; i++) {
             const int slot = slot_of_component ? slot_of_component[i] : first_slot + (int)i;
             const double *tangent = curve_tangent_row(curve, block, k, slot);
-            double *out = jacobian + (((size_t)k * n + i) * 2 * n + (size_t)block->first_direction) * width;
-            if (width > 1) curve_copy_members_with_due_jacobians(curve, tangent, out);
-            else curve_copy_lanes((size_t)curve_count_directions(curve, block), tangent, out);
+            double *out = jacobian + ((size_t)k * n + i) * 2 * n + (size_t)block->first_direction;
+            curve_copy_lanes((size_t)curve_count_directions(curve, block), tangent, out);
         }
 }
 
@@ -108,49 +97,21 @@ static inline void curve_sum_combination_jacobian(const tvi_curve *curve,
                                                   const tvi_coefficient_combination *combination, double matrix[])
 {
     CURVE_COMBINE(curve->system->field_series, curve_highest_order(curve) + 1, combination->order_weight, 1,
-                  2 * curve_dimension(curve) * curve_coefficient_row_length(curve),
+                  2 * curve_dimension(curve) * curve_dimension(curve),
                   curve_coefficient_jacobians(curve, curve_sums_momentum_coefficients(curve, combination)), matrix);
 }
-
-#define CURVE_MULTIPLY_DIRECTION(V, S)                                                                                 \
-    {                                                                                                                  \
-        V sum = {0};                                                                                                   \
-        for (int d = 0; d < directions; d++) sum += JET_OF(V, row, d) * JET_OF(V, curve->product_direction, d);        \
-        JET_AT(V, out, i) = sum;                                                                                       \
-    }
 
 static inline void curve_differentiate_sum_along_set_dz(const tvi_curve *curve,
                                                         const tvi_coefficient_combination *combination, double out[])
 {
-    const int directions = 2 * curve_dimension(curve), width = curve_member_count(curve);
-    const size_t stride = (size_t)width;
+    const int directions = 2 * curve_dimension(curve);
     curve_sum_combination_jacobian(curve, combination, curve->combination_jacobian);
     for (int i = 0; i < curve_dimension(curve); i++) {
-        const double *row = curve->combination_jacobian + i * directions * width;
-        JET_BLOCKS(width, CURVE_MULTIPLY_DIRECTION, );
+        const double *row = curve->combination_jacobian + i * directions;
+        double sum = 0;
+        for (int d = 0; d < directions; d++) sum += row[d] * curve->product_direction[d];
+        out[i] = sum;
     }
-}
-
-/* Computes out[d] = sum_r J[r][d] seed[r] for several members, which are the lanes of V. This is element d of the
- * product of the transposed Jacobian matrix and the seeds. A row r of the Jacobian belongs to one component of one
- * coefficient of the curve. There are two partial sums, each of every other row, and both begin at the last row;
- * CURVE_COMBINE adds in the same order. */
-#define CURVE_MULTIPLY_SEEDS_OF_MEMBERS(V, S)                                                                          \
-    {                                                                                                                  \
-        V sum = {0}, odd = {0};                                                                                        \
-        int r = rows;                                                                                                  \
-        for (; r > 1; r -= 2) {                                                                                        \
-            sum += JET_OF(V, seed, r - 1) * JET_OF(V, J, (r - 1) * directions + d);                                    \
-            odd += JET_OF(V, seed, r - 2) * JET_OF(V, J, (r - 2) * directions + d);                                    \
-        }                                                                                                              \
-        if (r > 0) sum += JET_OF(V, seed, 0) * JET_OF(V, J, d);                                                        \
-        JET_AT(V, out, d) = sum + odd;                                                                                 \
-    }
-static inline void curve_multiply_by_transpose_in_lanes(int width, int rows, int directions, const double *seed,
-                                                        const double *J, double *out)
-{
-    const size_t stride = (size_t)width;
-    for (int d = 0; d < directions; d++) JET_BLOCKS(width, CURVE_MULTIPLY_SEEDS_OF_MEMBERS, );
 }
 
 static inline void curve_multiply_transposed_coefficient_jacobians(const tvi_curve *curve, bool of_momentum,
@@ -158,10 +119,7 @@ static inline void curve_multiply_transposed_coefficient_jacobians(const tvi_cur
 {
     const int n = curve_dimension(curve), directions = 2 * n, rows = (curve_highest_order(curve) + 1) * n;
     const double *J = curve_coefficient_jacobians(curve, of_momentum);
-    if (curve_member_count(curve) > 1)
-        curve_multiply_by_transpose_in_lanes(curve_member_count(curve), rows, directions, seed, J, out);
-    else CURVE_COMBINE(curve->system->field_series, rows, seed, 1, directions, J, out);
-}
+    CURVE_COMBINE(curve->system->field_series, rows, seed, 1, directions, J, out); }
 
 static inline void curve_multiply_transposed_jacobians_by_seeds(tvi_curve *curve, const double seed_Q[],
                                                                 const double seed_U[], double out[])
@@ -169,7 +127,7 @@ static inline void curve_multiply_transposed_jacobians_by_seeds(tvi_curve *curve
     curve_multiply_transposed_coefficient_jacobians(curve, false, seed_Q, out);
     if (curve_system_form(curve) == TVI_SEPARABLE || !seed_U) return;
     curve_multiply_transposed_coefficient_jacobians(curve, true, seed_U, curve->product_with_dU_dz);
-    for (int d = 0; d < 2 * curve_coefficient_row_length(curve); d++) out[d] += curve->product_with_dU_dz[d];
+    for (int d = 0; d < 2 * curve_dimension(curve); d++) out[d] += curve->product_with_dU_dz[d];
 }
 
 #endif

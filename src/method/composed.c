@@ -2,7 +2,6 @@
  * composition is symmetric for every method (docs/method.md, section 4). It is the stepper (stepper.h) for options
  * with compose_adjoint. */
 #include "method/method.h"
-#include "method/single.h"
 
 #include <math.h>
 
@@ -16,11 +15,19 @@ typedef struct {
     tvi_increments first_half_increments; /* The increments of the first half of the step. */
 } composed_stepper;
 
+/* Allocates the vectors of a state and of the increments of a step, with n components each. */
+static void allocate_state_and_increments(tvi_arena *arena, int n, tvi_run_state *state, tvi_increments *increments)
+{
+    double **const vectors[] = {&state->q,       &state->q_low,   &state->p,           &state->p_low,
+                                &increments->dq, &increments->dp, &increments->dq_low, &increments->dp_low};
+    for (size_t i = 0; i < 8; i++) *vectors[i] = tvi_arena_allocate_doubles(arena, (size_t)n);
+}
+
 static void *allocate_composed_work(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
     composed_stepper *allocated = tvi_arena_allocate(arena, sizeof *allocated);
     composed_stepper composition = {.n = system->n, .half_options = {*options, tvi_adjoint_options(options)}};
-    tvi_allocate_state_and_increments(arena, system->n, &composition.middle_state, &composition.first_half_increments);
+    allocate_state_and_increments(arena, system->n, &composition.middle_state, &composition.first_half_increments);
     for (int half = 0; half < 2; half++) {
         composition.half_options[half].compose_adjoint = false;
         /* The steppers of the halves keep pointers to their options, which are therefore copied into the arena. */

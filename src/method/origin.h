@@ -100,19 +100,6 @@ static inline uint64_t tvi_add_all_compensated_and_find_nonfinite(int count, dou
     return any;
 }
 
-/* The origins of the steps of several members of an ensemble. Each member is a lane of the arrays
- * [components][width]; t and t_low are [width]. */
-typedef struct {
-    const double *t, *t_low;
-    const double *q, *q_low, *p, *p_low;
-} tvi_batch_origin;
-
-/* Returns the origin of the step of a single integrator as the origin of a batch with one member. */
-static inline tvi_batch_origin tvi_batch_origin_of_one(const tvi_step_origin *origin)
-{
-    return (tvi_batch_origin){&origin->t, &origin->t_low, origin->q, origin->q_low, origin->p, origin->p_low};
-}
-
 /* The number of points at which a search for events samples a step. */
 enum { TVI_SAMPLES = 8 };
 /* The positions theta of the points: t0 + theta h is the time (run/dense.c). */

@@ -1,5 +1,4 @@
-/* stepper.h - Declares a stepper: a table of functions that make the steps of a method, for one integrator and for
- * the members of an ensemble. Integrators (src/run/) call the functions. */
+/* stepper.h - Declares a stepper: a table of functions that make the steps of a method. Integrators (src/run/) call the functions. */
 #ifndef TVI_SRC_METHOD_STEPPER_H
 #define TVI_SRC_METHOD_STEPPER_H
 
@@ -38,41 +37,6 @@ typedef struct {
      * tapes. NULL: the method has none. */
     void (*emit_loops)(jet_text *text, const tvi_system *system, const tvi_options *options);
 } tvi_tapes_of_steps;
-
-/* The results of a step of several members. The stepper writes to nothing else except its own memory. */
-typedef struct {
-    tvi_increments increments; /* The increments of all members, arrays [components][width]. */
-    /* [width] Only lanes whose status is TVI_OK are stepped. Nothing is written for other lanes. */
-    tvi_status *status;
-    double *tail;     /* [width] The tail of each member's step (tvi_stats.tail). */
-    int *pass_counts; /* [width] The number of passes of each member's step. */
-} tvi_batch_results;
-
-/* The functions that step several members of an ensemble at once. Lanes are independent: the bits of a member's
- * results depend neither on its lane nor on other members. The results equal those of the stepper for single
- * integrators up to roundoff. */
-typedef struct {
-    /* Returns the number of members of a batch, a power of two. 1: the members of this system are stepped faster one
-     * by one. */
-    int (*width)(const tvi_system *system, const tvi_options *options);
-    /* The next functions do for a batch what those of tvi_stepper with the same names do. The history is that of a
-     * batch, and all zeros before a first step. */
-    void *(*allocate)(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width);
-    void (*set_tables)(void *work);
-    /* Makes a step. Lanes that are not stepped contain a finite state, inside the domain as far as is known. The
-     * statistics count all lanes together. */
-    void (*step)(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *end, tvi_stats *stats);
-    /* Copy the history of a lane to `single_work`, the memory of a stepper for single integrators, or back. The history
-     * of `single_work` is all zeros before it becomes a copy. NULL: steps leave no history. */
-    void (*copy_history_from_lane)(const void *work, int lane, void *single_work);
-    void (*copy_history_to_lane)(void *work, int lane, const void *single_work);
-    /* Clears the history of a lane, as before a first step. NULL: steps leave no history. */
-    void (*clear_history)(void *work, int lane);
-    /* Does what tvi_stepper.is_history_valid does, for the histories of all lanes. */
-    bool (*is_history_valid)(const void *work);
-    /* Computes tvi_stepper.bound_energy_change of each lane, [width]. NULL: the stepper has no such bound. */
-    void (*bound_energy_change)(const void *work, double change[]);
-} tvi_batch_stepper;
 
 /* The functions that step one integrator. */
 typedef struct {
@@ -114,11 +78,8 @@ typedef struct {
     bool (*is_history_valid)(const void *work);
     /* Returns the tapes that steps run with these options. */
     tvi_tapes_of_steps (*list_tapes)(const tvi_system *system, const tvi_options *options);
-    /* The functions for batches; NULL: members of an ensemble are stepped one by one. */
-    const tvi_batch_stepper *batch;
 } tvi_stepper;
 
 extern const tvi_stepper tvi_stepper_curve, tvi_stepper_taylor, tvi_stepper_composed, tvi_stepper_galerkin;
-extern const tvi_batch_stepper tvi_curve_batch;
 
 #endif

@@ -10,7 +10,7 @@ static tvi_status refuse_null_integrator(void) { return jet_refuse(TVI_EINVAL, "
 
 void tvi_integrator_copy_parameters_to_tapes(tvi_integrator *it)
 {
-    tvi_blocks_set_parameters(it->blocks, tvi_system_parameters(it->system), 1, it->parameters);
+    tvi_blocks_set_parameters(it->blocks, tvi_system_parameters(it->system), it->parameters);
 }
 
 void tvi_integrator_load_parameters(tvi_integrator *it, const double value[], size_t stride)

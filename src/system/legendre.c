@@ -18,7 +18,7 @@ void tvi_legendre_allocate(tvi_legendre_transform *legendre, tvi_arena *arena, c
     legendre->correction = tvi_arena_allocate_doubles(arena, n);
     legendre->trial = tvi_arena_allocate_doubles(arena, n);
     legendre->transform_of_x = tvi_arena_allocate_doubles(arena, n);
-    tvi_factor_allocate(&legendre->jacobian_factor, arena, system->n, 1);
+    tvi_factor_allocate(&legendre->jacobian_factor, arena, system->n);
     tvi_roundoff_allocate(&legendre->roundoff, arena, system);
 }
 

@@ -35,7 +35,7 @@ int tvi_system_parameters(const tvi_system *system)
 void tvi_system_prepare_blocks(const tvi_system *system, const tvi_tape_block *blocks, const double parameters[])
 {
     tvi_blocks_set_constants(blocks);
-    if (parameters) tvi_blocks_set_parameters(blocks, tvi_system_parameters(system), 1, parameters);
+    if (parameters) tvi_blocks_set_parameters(blocks, tvi_system_parameters(system), parameters);
 }
 
 /* Reads the values of the parameters in one recording. */

@@ -158,10 +158,10 @@ static expansion expand(const test_problem *problem)
     const int n = problem->scene->n;
     expansion e = {.system = problem_system(problem)};
     tvi_arena arena = {0};
-    tvi_curve_allocate(&e.curve, &arena, e.system, 4, true, 1);
+    tvi_curve_allocate(&e.curve, &arena, e.system, 4, true);
     e.memory = tvi_arena_obtain_memory(&arena);
     ck_assert_ptr_nonnull(e.memory);
-    tvi_curve_allocate(&e.curve, &arena, e.system, 4, true, 1);
+    tvi_curve_allocate(&e.curve, &arena, e.system, 4, true);
     tvi_blocks_set_constants(arena.first_tape_block);
     tvi_curve_fill_constant_tables(&e.curve);
     const test_state start = problem_start(problem);

@@ -25,11 +25,11 @@ static open_factor open_of_size(int n)
 {
     open_factor x = {0};
     tvi_arena arena = {0};
-    tvi_factor_allocate(&x.factor, &arena, n, 1);
+    tvi_factor_allocate(&x.factor, &arena, n);
     arena.memory = x.memory = aligned_alloc(ARENA_ALIGNMENT, arena.bytes_not_kept_between_steps);
     ck_assert_ptr_nonnull(x.memory);
     arena.bytes_not_kept_between_steps = 0;
-    tvi_factor_allocate(&x.factor, &arena, n, 1);
+    tvi_factor_allocate(&x.factor, &arena, n);
     return x;
 }
 
@@ -320,13 +320,11 @@ START_TEST(plain_factors_solve)
     fill_plainly(n, 0.2, has_units, A);
     memcpy(x.factor.lu, A, (size_t)(n * n) * sizeof *A);
     memcpy(inverse, A, (size_t)(n * n) * sizeof *A);
-    long long is_safe = -1;
-    linear_unpivoted_factor_in_place(n, has_units ? 0 : n, 1, &x.factor, &is_safe);
-    ck_assert(is_safe);
+    ck_assert(linear_unpivoted_factor_in_place(n, has_units ? 0 : n, &x.factor));
     ck_assert(linear_unpivoted_invert(n, inverse));
     for (int transposed = 0; transposed < 2; transposed++) {
         for (int i = 0; i < n; i++) b[i] = got[i] = sin(1 + i) * ldexp(1, !has_units ? 0 : transposed ? -7 * i : 9 * i);
-        (transposed ? linear_unpivoted_solve_transposed : linear_unpivoted_solve)(n, 1, &x.factor, got);
+        (transposed ? linear_unpivoted_solve_transposed : linear_unpivoted_solve)(n, &x.factor, got);
         check_residual(n, A, transposed, got, b);
         if (transposed) continue;
         for (int i = 0; i < n; i++) {
@@ -367,9 +365,8 @@ START_TEST(plain_factors_refuse_what_needs_exchanges)
     double A[4];
     memcpy(x.factor.lu, pivots[_i].A, sizeof A);
     memcpy(A, pivots[_i].A, sizeof A);
-    long long is_safe = -1;
-    linear_unpivoted_factor_in_place(2, pivots[_i].in_units, 1, &x.factor, &is_safe);
-    ck_assert_msg((is_safe != 0) == pivots[_i].is_safe, "%s", pivots[_i].name);
+    const bool is_safe = linear_unpivoted_factor_in_place(2, pivots[_i].in_units, &x.factor);
+    ck_assert_msg(is_safe == pivots[_i].is_safe, "%s", pivots[_i].name);
     if (pivots[_i].in_units == 0)
         ck_assert_msg(linear_unpivoted_invert(2, A) == pivots[_i].is_safe, "the inverse: %s", pivots[_i].name);
     free(x.memory);

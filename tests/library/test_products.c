@@ -24,7 +24,7 @@ typedef struct {
 
 static void lay_out(open_curve *x, tvi_arena *arena, const tvi_system *system, tvi_jacobians jacobians)
 {
-    tvi_curve_allocate(&x->curve, arena, system, DEGREE, jacobians, 1);
+    tvi_curve_allocate(&x->curve, arena, system, DEGREE, jacobians);
     x->q = tvi_combination_allocate(&x->curve, arena);
     x->u = tvi_combination_allocate(&x->curve, arena);
 }
