@@ -1,7 +1,6 @@
 /* ensemble.c - Creates, frees, saves and loads ensembles, and copies members between the ensemble's memory and the
  * integrators of its threads (tvi_worker_load_member, tvi_worker_store_member). A thread has one integrator, which is a
  * member from its load to its store. So a member's steps are those of an integrator of its own, to the bit. */
-#define _POSIX_C_SOURCE 200809L
 #include "run/ensemble.h"
 #include "run/saved.h"
 #include "system/refuse.h"
@@ -35,20 +34,17 @@ static tvi_status allocate_member_memory(tvi_ensemble *ensemble)
 {
     const tvi_integrator *it = ensemble->workers->integrator;
     const size_t members = (size_t)ensemble->member_count, numbers = count_parameters_of_all_members(ensemble);
-    ensemble->history_bytes = it->history_bytes;
-    ensemble->copied_history_bytes = tvi_arena_round_up(it->copied_history_bytes, ARENA_ALIGNMENT);
+    ensemble->history_bytes = it->history_bytes + tvi_arena_round_up(it->copied_history_bytes, ARENA_ALIGNMENT);
     ensemble->histories = aligned_alloc(ARENA_ALIGNMENT, members * ensemble->history_bytes);
-    ensemble->histories_before = aligned_alloc(ARENA_ALIGNMENT, members * ensemble->copied_history_bytes);
     ensemble->records = calloc(members, sizeof *ensemble->records);
     ensemble->parameters = calloc(numbers + 1, sizeof *ensemble->parameters);
     ensemble->columns = calloc(members, sizeof *ensemble->columns);
     ensemble->stops = calloc(members, tvi_size_of_stop_in_bytes(ensemble->n));
     ensemble->failure_status = calloc(members, sizeof *ensemble->failure_status);
-    if (!ensemble->histories || !ensemble->histories_before || !ensemble->records || !ensemble->parameters ||
-        !ensemble->columns || !ensemble->stops || !ensemble->failure_status)
+    if (!ensemble->histories || !ensemble->records || !ensemble->parameters || !ensemble->columns || !ensemble->stops ||
+        !ensemble->failure_status)
         return TVI_ENOMEM;
     memset(ensemble->histories, 0, members * ensemble->history_bytes);
-    memset(ensemble->histories_before, 0, members * ensemble->copied_history_bytes);
     for (size_t i = 0; i < numbers; i++) ensemble->parameters[i] = it->parameters[i / members];
     return TVI_OK;
 }
@@ -57,20 +53,12 @@ static tvi_status create_workers_and_members(tvi_ensemble *ensemble, const tvi_o
 {
     tvi_status status = TVI_OK;
     ensemble->workers = calloc((size_t)ensemble->thread_count, sizeof *ensemble->workers);
-    ensemble->team = tvi_parallel_team_create(ensemble->thread_count);
-    if (!ensemble->workers || !ensemble->team) return TVI_ENOMEM;
+    ensemble->team.started = calloc((size_t)ensemble->thread_count, sizeof *ensemble->team.started);
+    ensemble->team.thread_count = ensemble->thread_count;
+    if (!ensemble->workers || !ensemble->team.started) return TVI_ENOMEM;
     for (int i = 0; i < ensemble->thread_count && status == TVI_OK; i++)
         status = create_worker(&ensemble->workers[i], ensemble, options);
     return status == TVI_OK ? allocate_member_memory(ensemble) : status;
-}
-
-static void initialize_lock(pthread_mutex_t *lock)
-{
-    pthread_mutexattr_t kind;
-    (void)pthread_mutexattr_init(&kind);
-    (void)pthread_mutexattr_settype(&kind, PTHREAD_MUTEX_ERRORCHECK);
-    (void)pthread_mutex_init(lock, &kind);
-    (void)pthread_mutexattr_destroy(&kind);
 }
 
 tvi_status tvi_ensemble_create(tvi_ensemble **out, const tvi_system *system, const tvi_options *options, int members,
@@ -86,26 +74,22 @@ tvi_status tvi_ensemble_create(tvi_ensemble **out, const tvi_system *system, con
     const int wanted = threads > 0 ? threads : tvi_parallel_default_thread_count();
     *ensemble = (tvi_ensemble){.system = system, .n = system->n, .member_count = members};
     ensemble->thread_count = wanted < members ? wanted : members;
-    initialize_lock(&ensemble->observer_lock);
+    (void)pthread_mutex_init(&ensemble->observer_lock, NULL);
     const tvi_status status = create_workers_and_members(ensemble, options);
     if (status == TVI_OK) *out = ensemble;
     else tvi_ensemble_free(ensemble);
     return status == TVI_ENOMEM ? jet_explain_out_of_memory(status) : status;
 }
 
-/* Where longjmp has left a run, this thread still holds the lock, for which the run's other threads may wait. */
-static void end_abandoned_run(tvi_ensemble *ensemble)
-{
-    if (!ensemble->is_running) return;
-    tvi_parallel_stop(ensemble->team);
-    (void)pthread_mutex_unlock(&ensemble->observer_lock);
-}
-
 void tvi_ensemble_free(tvi_ensemble *ensemble)
 {
     if (!ensemble) return;
-    end_abandoned_run(ensemble);
-    tvi_parallel_team_free(ensemble->team);
+    if (ensemble->is_running) { /* longjmp has left an observer, which holds the lock that other threads wait for. */
+        tvi_parallel_stop(&ensemble->team);
+        (void)pthread_mutex_unlock(&ensemble->observer_lock);
+    }
+    tvi_parallel_end(&ensemble->team);
+    free(ensemble->team.started);
     for (int i = 0; ensemble->workers && i < ensemble->thread_count; i++) {
         tvi_integrator_free(ensemble->workers[i].integrator);
         free(ensemble->workers[i].member_q);
@@ -113,7 +97,6 @@ void tvi_ensemble_free(tvi_ensemble *ensemble)
     for (int m = 0; ensemble->columns && m < ensemble->member_count; m++) tvi_step_columns_free(&ensemble->columns[m]);
     free(ensemble->workers);
     free(ensemble->histories);
-    free(ensemble->histories_before);
     free(ensemble->records);
     free(ensemble->parameters);
     free(ensemble->columns);
@@ -125,11 +108,9 @@ void tvi_ensemble_free(tvi_ensemble *ensemble)
 
 /* ---- Members ----------------------------------------------------------------------------------------------------- */
 
-/* Copies the stored history of a member, without that from before its last step. */
-static void load_history(tvi_integrator *it, const tvi_ensemble *ensemble, int member)
+static char *history_of_member(const tvi_ensemble *ensemble, int member)
 {
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(
-        it->history, ensemble->histories + (size_t)member * ensemble->history_bytes, ensemble->history_bytes);
+    return ensemble->histories + (size_t)member * ensemble->history_bytes;
 }
 
 void tvi_worker_load_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble, int member)
@@ -137,10 +118,8 @@ void tvi_worker_load_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble,
     tvi_integrator *it = worker->integrator;
     const tvi_member_record *record = &ensemble->records[member];
     const tvi_stats own = it->stats;
-    load_history(it, ensemble, member);
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(
-        it->history_before, ensemble->histories_before + (size_t)member * ensemble->copied_history_bytes,
-        it->copied_history_bytes);
+    tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, history_of_member(ensemble, member),
+                                                ensemble->history_bytes);
     tvi_integrator_load_parameters(it, ensemble->parameters + member, (size_t)ensemble->member_count);
     memcpy(it->stop, tvi_stop_of_member(ensemble, member), tvi_size_of_stop_in_bytes(ensemble->n));
     it->stats = record->stats;
@@ -156,17 +135,13 @@ void tvi_worker_store_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble
 {
     tvi_integrator *it = worker->integrator;
     tvi_member_record *record = &ensemble->records[member];
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(ensemble->histories + (size_t)member * ensemble->history_bytes,
-                                                it->history, ensemble->history_bytes);
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(ensemble->histories_before +
-                                                    (size_t)member * ensemble->copied_history_bytes,
-                                                it->history_before, it->copied_history_bytes);
+    tvi_arena_copy_or_clear_with_sanitizer_gaps(history_of_member(ensemble, member), it->history,
+                                                ensemble->history_bytes);
+    tvi_scatter_member(tvi_system_parameters(it->system), ensemble->member_count, it->parameters, member,
+                       ensemble->parameters);
     memcpy(tvi_stop_of_member(ensemble, member), it->stop, tvi_size_of_stop_in_bytes(ensemble->n));
-    record->stats = it->stats;
+    *record = (tvi_member_record){it->stats, it->h, it->covered_time, it->has_dense_output};
     record->stats.bytes = 0;
-    record->h = it->h;
-    record->covered_time = it->covered_time;
-    record->has_dense_output = it->has_dense_output;
     if (it->tangent) tvi_step_columns_exchange(it, &ensemble->columns[member]);
 }
 
@@ -176,10 +151,9 @@ void tvi_worker_load_member_and_curve(tvi_ensemble_worker *worker, tvi_ensemble 
 {
     tvi_integrator *it = worker->integrator;
     if (ensemble->records[member].has_dense_output && tvi_is_rescaled(it)) {
-        load_history(it, ensemble, member);
-        tvi_arena_copy_or_clear_with_sanitizer_gaps(
-            it->history, ensemble->histories_before + (size_t)member * ensemble->copied_history_bytes,
-            it->copied_history_bytes);
+        tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, history_of_member(ensemble, member),
+                                                    ensemble->history_bytes);
+        tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, it->history_before, it->copied_history_bytes);
         tvi_integrator_load_parameters(it, ensemble->parameters + member, (size_t)ensemble->member_count);
         tvi_integrator_compute_curve(it, ensemble->records[member].h);
     }
@@ -239,9 +213,8 @@ tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats)
     *stats = (tvi_stats){.is_compiled = ensemble->workers->integrator->stats.is_compiled};
     for (size_t m = 0; m < members; m++) add_step_counts(stats, &ensemble->records[m].stats);
     stats->bytes = sizeof *ensemble + count_parameters_of_all_members(ensemble) * sizeof *ensemble->parameters +
-                   members * (ensemble->history_bytes + ensemble->copied_history_bytes + sizeof *ensemble->records +
-                              sizeof *ensemble->columns + sizeof *ensemble->failure_status +
-                              tvi_size_of_stop_in_bytes(ensemble->n));
+                   members * (ensemble->history_bytes + sizeof *ensemble->records + sizeof *ensemble->columns +
+                              sizeof *ensemble->failure_status + tvi_size_of_stop_in_bytes(ensemble->n));
     for (int i = 0; i < ensemble->thread_count; i++) stats->bytes += ensemble->workers[i].integrator->stats.bytes;
     return TVI_OK;
 }
@@ -336,13 +309,14 @@ tvi_status tvi_ensemble_last(const tvi_ensemble *ensemble, double t[], double q[
     const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
     if (idle != TVI_OK) return idle;
     if (!ensemble->has_run) return jet_refuse(TVI_EINVAL, "the ensemble has made no run, or was reset");
-    const tvi_ensemble_worker *worker = ensemble->workers;
+    tvi_ensemble_worker *worker = ensemble->workers;
     for (int m = 0; m < ensemble->member_count; m++) {
-        load_history(worker->integrator, ensemble, m);
+        tvi_worker_load_member(worker, (tvi_ensemble *)ensemble, m);
         tvi_integrator_copy_state(worker->integrator, &t[m], worker->member_q, worker->member_p);
         tvi_scatter_member(ensemble->n, ensemble->member_count, worker->member_q, m, q);
         tvi_scatter_member(ensemble->n, ensemble->member_count, worker->member_p, m, p);
         status[m] = ensemble->failure_status[m];
+        tvi_worker_store_member(worker, (tvi_ensemble *)ensemble, m);
     }
     return TVI_OK;
 }

@@ -4,8 +4,7 @@
 #define TVI_SRC_RUN_ENSEMBLE_H
 
 #include "refusal.h"
-#include "run/parallel_for.h"
-#include "run/tangent.h"
+#include "run/plan.h"
 
 #include <pthread.h>
 
@@ -25,16 +24,25 @@ typedef struct {
     long has_dense_output;
 } tvi_member_record;
 
+/* A segment of an ensemble's run: the steps of all members between two calls of the ensemble's own observer, or all
+ * steps if there is no observer. */
+typedef struct {
+    tvi_run_plan plan; /* the plan of the run, with the number of steps of this segment */
+    tvi_run_mode run_mode;
+    long step_count_before_segment; /* the number of steps in earlier segments of the run */
+    double *t, *q, *p;              /* the user's arrays of all members' states */
+    tvi_status *member_status;      /* [member_count] the user's array of the members' statuses */
+} tvi_ensemble_segment;
+
 struct tvi_ensemble {
     const tvi_system *system;
     /* The number of coordinates of a member; the number of members; the largest number of threads of a run. */
     int n, member_count, thread_count;
     tvi_ensemble_worker *workers; /* [thread_count] the memory of each thread */
-    /* [member_count][history_bytes] each member's history (integrator.h) between runs, and
-     * [member_count][copied_history_bytes] the copied part of it as it was before the member's last step */
-    char *histories, *histories_before;
-    /* The sizes of both in bytes, multiples of the arena's alignment. */
-    size_t history_bytes, copied_history_bytes;
+    /* [member_count][history_bytes] Each member's history between runs, followed by the copied part of it as it was
+     * before the member's last step, as in the memory of an integrator. */
+    char *histories;
+    size_t history_bytes;       /* the size of both parts in bytes, a multiple of the arena's alignment */
     tvi_member_record *records; /* [member_count] */
     double *parameters;         /* [tvi_system_parameters][member_count] each member's parameter values */
     tvi_step_columns *columns;  /* [member_count] the tangent vectors of each member's last step */
@@ -44,9 +52,10 @@ struct tvi_ensemble {
     tvi_status *failure_status; /* [member_count] TVI_OK if the member can go on, otherwise the status of its failure */
     bool has_run;               /* true if the ensemble has run since it was created or reset */
     bool is_running;            /* true during a run, in which observers may neither read nor change the members */
-    tvi_parallel_team *team;    /* the threads of a run */
-    /* A thread holds this lock while it calls an observer of a member. Others cannot unlock it. */
-    pthread_mutex_t observer_lock;
+    /* The threads of a run, and its present segment, which outlives a run that longjmp leaves. */
+    tvi_parallel_team team;
+    tvi_ensemble_segment segment;
+    pthread_mutex_t observer_lock; /* a thread holds this lock while it calls an observer of a member */
 };
 
 static inline tvi_event_stop *tvi_stop_of_member(const tvi_ensemble *ensemble, int member)

@@ -1,80 +1,61 @@
 /* ensemble_run.c - Runs all members of an ensemble in several threads. A thread loads one member after the other into
  * its integrator, runs this integrator by the plan, and stores the member. */
 #include "run/ensemble.h"
-#include "run/plan.h"
 #include "system/refuse.h"
 
 #include <math.h>
 
-/* A segment of an ensemble's run: the steps of all members between two calls of the ensemble's own observer, or all
- * steps if there is no observer. */
-typedef struct {
-    tvi_ensemble *ensemble;
-    tvi_run_plan plan; /* the plan of the run, with the number of steps of this segment */
-    tvi_run_mode run_mode;
-    long step_count_before_segment; /* the number of steps in earlier segments of the run */
-    double *t, *q, *p;              /* the user's arrays of all members' states */
-    tvi_status *member_status;      /* [member_count] the user's array of the members' statuses */
-} run_between_observer_calls;
-
-static void set_member_status(const run_between_observer_calls *segment, int member, tvi_status status)
-{
-    segment->member_status[member] = status;
-    segment->ensemble->failure_status[member] = tvi_is_failure_of_one_member_only(status) ? status : TVI_OK;
-}
-
 /* A member in the integrator of a thread. */
 typedef struct {
-    const run_between_observer_calls *segment;
+    tvi_ensemble *ensemble;
     tvi_ensemble_worker *worker;
     int member;
     double t;
 } loaded_member;
 
-static loaded_member load_member(const run_between_observer_calls *segment, tvi_ensemble_worker *worker, int member)
+static loaded_member load_member(tvi_ensemble *ensemble, int thread, int member)
 {
-    tvi_ensemble *ensemble = segment->ensemble;
+    const tvi_ensemble_segment *segment = &ensemble->segment;
+    tvi_ensemble_worker *worker = &ensemble->workers[thread];
     tvi_gather_member(ensemble->n, ensemble->member_count, segment->q, member, worker->member_q);
     tvi_gather_member(ensemble->n, ensemble->member_count, segment->p, member, worker->member_p);
     if (segment->run_mode == TVI_RUN_AT_TIMES) tvi_worker_load_member_and_curve(worker, ensemble, member);
     else tvi_worker_load_member(worker, ensemble, member);
-    return (loaded_member){segment, worker, member, segment->t[member]};
+    return (loaded_member){ensemble, worker, member, segment->t[member]};
 }
 
 /* Stores the member and what it has reached, also where an exception leaves an observer. */
 static void store_member(loaded_member *loaded)
 {
-    const run_between_observer_calls *segment = loaded->segment;
-    const tvi_ensemble *ensemble = segment->ensemble;
+    tvi_ensemble *ensemble = loaded->ensemble;
+    const tvi_ensemble_segment *segment = &ensemble->segment;
     segment->t[loaded->member] = loaded->t;
     tvi_scatter_member(ensemble->n, ensemble->member_count, loaded->worker->member_q, loaded->member, segment->q);
     tvi_scatter_member(ensemble->n, ensemble->member_count, loaded->worker->member_p, loaded->member, segment->p);
-    tvi_worker_store_member(loaded->worker, segment->ensemble, loaded->member);
+    tvi_worker_store_member(loaded->worker, ensemble, loaded->member);
 }
 
 static void run_member_in_thread(void *ctx, int thread, int member)
 {
-    const run_between_observer_calls *segment = ctx;
-    tvi_ensemble *ensemble = segment->ensemble;
-    tvi_ensemble_worker *worker = &ensemble->workers[thread];
+    tvi_ensemble *ensemble = ctx;
+    const tvi_ensemble_segment *segment = &ensemble->segment;
+    tvi_status *status = &segment->member_status[member], *failed = &ensemble->failure_status[member];
     /* An observer or an event has stopped this member in an earlier segment. */
-    if (segment->step_count_before_segment > 0 && segment->member_status[member] == TVI_ESTOPPED) return;
-    __attribute__((cleanup(store_member))) loaded_member loaded = load_member(segment, worker, member);
-    const tvi_status failed = ensemble->failure_status[member];
-    if (failed != TVI_OK &&
-        tvi_integrator_state_equals(worker->integrator, loaded.t, worker->member_q, worker->member_p)) {
-        segment->member_status[member] = failed;
-        return;
-    }
+    if (segment->step_count_before_segment > 0 && *status == TVI_ESTOPPED) return;
+    __attribute__((cleanup(store_member))) loaded_member loaded = load_member(ensemble, thread, member);
+    tvi_integrator *it = loaded.worker->integrator;
+    double *q = loaded.worker->member_q, *p = loaded.worker->member_p;
+    *status = *failed;
+    if (*failed != TVI_OK && tvi_integrator_state_equals(it, loaded.t, q, p)) return;
     const tvi_member_run run = {.plan = &segment->plan,
                                 .run_mode = segment->run_mode,
                                 .member_index = member,
                                 .member_count = ensemble->member_count,
                                 .step_count_before_segment = segment->step_count_before_segment,
-                                .team = ensemble->team,
+                                .team = &ensemble->team,
                                 .observer_lock = &ensemble->observer_lock};
-    set_member_status(segment, member,
-                      tvi_run_member(worker->integrator, &run, &loaded.t, worker->member_q, worker->member_p));
+    *status = tvi_run_member(it, &run, &loaded.t, q, p);
+    *failed = tvi_is_failure_of_one_member_only(*status) ? *status : TVI_OK;
 }
 
 /* ---- The run ----------------------------------------------------------------------------------------------------- */
@@ -86,12 +67,13 @@ static void end_run(tvi_ensemble **ensemble)
     (*ensemble)->has_run = true;
 }
 
-static tvi_status run_all_members(const run_between_observer_calls *segment)
+static tvi_status run_all_members(tvi_ensemble *given, const tvi_ensemble_segment *segment)
 {
-    __attribute__((cleanup(end_run))) tvi_ensemble *ensemble = segment->ensemble;
+    __attribute__((cleanup(end_run))) tvi_ensemble *ensemble = given;
     tvi_status status = TVI_OK;
     ensemble->is_running = true;
-    tvi_parallel_for(ensemble->team, ensemble->member_count, run_member_in_thread, (void *)segment);
+    ensemble->segment = *segment;
+    tvi_parallel_for(&ensemble->team, ensemble->member_count, run_member_in_thread, ensemble);
     for (int member = 0; member < ensemble->member_count; member++)
         if (segment->member_status[member] == TVI_ENOMEM) status = jet_explain_out_of_memory(TVI_ENOMEM);
     return status;
@@ -99,18 +81,18 @@ static tvi_status run_all_members(const run_between_observer_calls *segment)
 
 /* Makes all steps of the run. With an observer of the ensemble each step is a segment, after which the observer is
  * called. Without an observer all steps are one segment. */
-static tvi_status run_all_segments(run_between_observer_calls *segment)
+static tvi_status run_all_segments(tvi_ensemble *ensemble, tvi_ensemble_segment segment)
 {
-    const long steps = segment->plan.steps;
-    tvi_ensemble_observer *observer = segment->plan.observer;
-    if (!observer || steps == 0) return run_all_members(segment);
-    segment->plan.steps = 1;
+    const long steps = segment.plan.steps;
+    tvi_ensemble_observer *observer = segment.plan.observer;
+    if (!observer || steps == 0) return run_all_members(ensemble, &segment);
+    segment.plan.steps = 1;
     for (long step = 1; step <= steps; step++) {
-        segment->step_count_before_segment = step - 1;
-        const tvi_status status = run_all_members(segment);
+        segment.step_count_before_segment = step - 1;
+        const tvi_status status = run_all_members(ensemble, &segment);
         if (status != TVI_OK) return status;
-        if (observer(step, segment->ensemble->member_count, segment->t, segment->q, segment->p, segment->member_status,
-                     segment->plan.ctx) != 0)
+        if (observer(step, ensemble->member_count, segment.t, segment.q, segment.p, segment.member_status,
+                     segment.plan.ctx) != 0)
             return TVI_ESTOPPED;
     }
     return TVI_OK;
@@ -148,8 +130,7 @@ tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_ensemble_plan *pla
     if (checked != TVI_OK) return checked;
     const tvi_status provided = allocate_tangents(ensemble, plan->columns);
     if (provided != TVI_OK) return provided;
-    run_between_observer_calls segment = {ensemble, *plan, tvi_plan_mode(plan), 0, t, q, p, status};
-    return segment.run_mode == TVI_RUN_STEPS ? run_all_segments(&segment) : run_all_members(&segment);
+    return run_all_segments(ensemble, (tvi_ensemble_segment){*plan, tvi_plan_mode(plan), 0, t, q, p, status});
 }
 
 tvi_status tvi_ensemble_integrate(tvi_ensemble *ensemble, double h, long steps, double t[], double q[], double p[],
@@ -161,6 +142,5 @@ tvi_status tvi_ensemble_integrate(tvi_ensemble *ensemble, double h, long steps, 
     const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
     if (idle != TVI_OK) return idle;
     const tvi_run_plan plan = {.h = h, .steps = steps, .observer = observer, .ctx = ctx};
-    run_between_observer_calls segment = {ensemble, plan, TVI_RUN_STEPS, 0, t, q, p, status};
-    return run_all_segments(&segment);
+    return run_all_segments(ensemble, (tvi_ensemble_segment){plan, TVI_RUN_STEPS, 0, t, q, p, status});
 }

@@ -286,18 +286,11 @@ tvi_limits_for_skipping_energy_check tvi_max_tail_and_passes_without_energy_chec
     return (tvi_limits_for_skipping_energy_check){max_tail, GUARD_UNCHECKED_MAX_PASSES};
 }
 
-/* Tells whether the tail is at most max_tail of the options, or the user has switched off this check (max_tail < 0). */
-static bool does_max_tail_option_allow_tail(const tvi_integrator *it, double tail)
-{
-    const double most = it->options.max_tail;
-    return most < 0 || !(tail > most);
-}
-
 tvi_status tvi_refuse_too_large_step(tvi_integrator *it, bool step_used_series, long passes)
 {
     const double tail = it->stats.tail;
     if (tail > it->stats.largest_tail) it->stats.largest_tail = tail;
-    if (!does_max_tail_option_allow_tail(it, tail))
+    if (it->options.max_tail >= 0 && tail > it->options.max_tail)
         return jet_refuse(
             TVI_ETOOLARGE, "its tail %g is above max_tail = %g%s", tail, it->options.max_tail,
             it->stepped->has_automatic_scale ? ": the automatic g is too large here (give a g of your own)" : "");

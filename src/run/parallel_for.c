@@ -4,28 +4,8 @@
 #endif
 #include "run/parallel_for.h"
 
-#include <pthread.h>
 #include <sched.h>
-#include <stdatomic.h>
-#include <stdlib.h>
 #include <unistd.h>
-
-/* One of the threads that a loop starts. */
-typedef struct {
-    tvi_parallel_team *team;
-    pthread_t thread;
-    int number;
-} worker_thread;
-
-struct tvi_parallel_team {
-    int thread_count, started_count; /* the most threads, and those that a running loop has started */
-    worker_thread *started;          /* [thread_count - 1] */
-    tvi_parallel_body *body;
-    void *ctx;
-    int count;       /* the number of calls */
-    atomic_int next; /* the first call that no thread has begun; at least `count` if the loop is to end */
-    atomic_bool is_stopped;
-};
 
 int tvi_parallel_default_thread_count(void)
 {
@@ -35,17 +15,6 @@ int tvi_parallel_default_thread_count(void)
 #endif
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);
     return processors > 0 ? (int)processors : 1;
-}
-
-tvi_parallel_team *tvi_parallel_team_create(int threads)
-{
-    tvi_parallel_team *team = calloc(1, sizeof *team);
-    if (!team) return NULL;
-    team->thread_count = threads;
-    team->started = calloc((size_t)threads, sizeof *team->started);
-    if (team->started) return team;
-    free(team);
-    return NULL;
 }
 
 /* A thread takes a part of the calls that are left, so that threads meet seldom, and end together. */
@@ -63,7 +32,7 @@ static void make_calls(tvi_parallel_team *team, int number)
 
 static void *run_thread(void *started)
 {
-    const worker_thread *own = started;
+    const tvi_parallel_thread *own = started;
     make_calls(own->team, own->number);
     return NULL;
 }
@@ -74,24 +43,14 @@ static void join_threads(tvi_parallel_team *team)
         (void)pthread_join(team->started[team->started_count - 1].thread, NULL);
 }
 
-void tvi_parallel_stop(tvi_parallel_team *team) { atomic_store(&team->is_stopped, true); }
-
-bool tvi_parallel_is_stopped(const tvi_parallel_team *team) { return atomic_load(&team->is_stopped); }
-
-/* Ends a loop, also one that an exception leaves. */
-static void end_loop(tvi_parallel_team **team)
+void tvi_parallel_end(tvi_parallel_team *team)
 {
-    tvi_parallel_stop(*team);
-    join_threads(*team);
+    tvi_parallel_stop(team);
+    join_threads(team);
 }
 
-void tvi_parallel_team_free(tvi_parallel_team *team)
-{
-    if (!team) return;
-    end_loop(&team);
-    free(team->started);
-    free(team);
-}
+/* Ends a loop that an exception leaves. */
+static void end_loop(tvi_parallel_team **team) { tvi_parallel_end(*team); }
 
 void tvi_parallel_for(tvi_parallel_team *team, int count, tvi_parallel_body *body, void *ctx)
 {
@@ -102,8 +61,8 @@ void tvi_parallel_for(tvi_parallel_team *team, int count, tvi_parallel_body *bod
     atomic_store(&team->is_stopped, false);
     __attribute__((cleanup(end_loop))) tvi_parallel_team *running = team;
     for (int number = 1; number < team->thread_count && number < count; number++) {
-        worker_thread *thread = &team->started[team->started_count];
-        *thread = (worker_thread){.team = team, .number = number};
+        tvi_parallel_thread *thread = &team->started[team->started_count];
+        *thread = (tvi_parallel_thread){.team = team, .number = number};
         if (pthread_create(&thread->thread, NULL, run_thread, thread) != 0) break;
         team->started_count++;
     }

@@ -4,7 +4,7 @@
 #include "run/guard.h"
 #include "run/integrator.h"
 #include "system/refuse.h"
-#include "vector.h"
+#include "algebra/sizes.h"
 
 #include <math.h>
 #include <string.h>
@@ -19,19 +19,11 @@ void tvi_integrator_reset(tvi_integrator *integrator)
 
 /* ---- The start of a run ------------------------------------------------------------------------------------------ */
 
-/* Returns a number whose bits are 1 where the components of two states differ; 0 means that all are equal. */
-JET_INLINE uint64_t find_differing_bits(int count, const double *a, const double *b)
-{
-    uint64_t any = 0;
-    for (int i = 0; i < count; i++) any |= tvi_double_bits(a[i]) ^ tvi_double_bits(b[i]);
-    return any;
-}
-
 bool tvi_integrator_state_equals(const tvi_integrator *it, double t, const double q[], const double p[])
 {
-    const int n = it->system->n;
-    return (find_differing_bits(1, &t, &it->state.q[n]) | find_differing_bits(n, q, it->state.q) |
-            find_differing_bits(n, p, it->state.p)) == 0;
+    const size_t n = (size_t)it->system->n, bytes = n * sizeof *q;
+    return memcmp(&t, &it->state.q[n], sizeof t) == 0 && memcmp(q, it->state.q, bytes) == 0 &&
+           memcmp(p, it->state.p, bytes) == 0;
 }
 
 void tvi_integrator_copy_state(const tvi_integrator *it, double *t, double q[], double p[])

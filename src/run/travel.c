@@ -164,45 +164,30 @@ static tvi_status check_member_arguments(const tvi_ensemble *ensemble, int membe
 tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *ensemble, int member, const double t[], const double q[],
                                        const double p[], char *text, size_t *size)
 {
-    const tvi_status status = check_member_arguments(ensemble, member, (const void *const[]){t, q, p, size}, "size");
+    tvi_status status = check_member_arguments(ensemble, member, (const void *const[]){t, q, p, size}, "size");
     if (status != TVI_OK) return status;
-    tvi_state_text state_text;
-    const int parameters = tvi_system_parameters(ensemble->system);
-    const size_t members = (size_t)ensemble->member_count;
-    if (!tvi_state_text_open(&state_text, ensemble->n, parameters)) return jet_explain_out_of_memory(TVI_ENOMEM);
-    for (int i = 0; i < parameters; i++)
-        state_text.parameter_values[i] = ensemble->parameters[(size_t)i * members + (size_t)member];
     tvi_ensemble_worker *worker = ensemble->workers;
     tvi_worker_load_member(worker, (tvi_ensemble *)ensemble, member);
     tvi_gather_member(ensemble->n, ensemble->member_count, q, member, worker->member_q);
     tvi_gather_member(ensemble->n, ensemble->member_count, p, member, worker->member_p);
-    fill_state_text(&state_text, worker->integrator, t[member], worker->member_q, worker->member_p);
+    status = tvi_state_to_text(worker->integrator, t[member], worker->member_q, worker->member_p, text, size);
     tvi_worker_store_member(worker, (tvi_ensemble *)ensemble, member);
-    const tvi_status written = write_state_text(&state_text, text, size);
-    free(state_text.parameter_values);
-    return written;
+    return status;
 }
 
 tvi_status tvi_ensemble_member_from_text(tvi_ensemble *ensemble, int member, const char *text, size_t size, double t[],
                                          double q[], double p[])
 {
     tvi_status status = check_member_arguments(ensemble, member, (const void *const[]){t, q, p, text}, "text");
-    tvi_state_text state_text;
-    if (status == TVI_OK) status = read_state_text(&state_text, ensemble->system, text, size);
     if (status != TVI_OK) return status;
-    const size_t members = (size_t)ensemble->member_count;
     tvi_ensemble_worker *worker = ensemble->workers;
     tvi_worker_load_member(worker, ensemble, member);
-    status = set_integrator_from_text(worker->integrator, &state_text);
+    status = tvi_state_from_text(worker->integrator, text, size, &t[member], worker->member_q, worker->member_p);
     if (status == TVI_OK) {
-        for (int i = 0; i < state_text.parameter_count; i++)
-            ensemble->parameters[(size_t)i * members + (size_t)member] = state_text.parameter_values[i];
-        ensemble->failure_status[member] = TVI_OK;
-        tvi_integrator_copy_state(worker->integrator, &t[member], worker->member_q, worker->member_p);
         tvi_scatter_member(ensemble->n, ensemble->member_count, worker->member_q, member, q);
         tvi_scatter_member(ensemble->n, ensemble->member_count, worker->member_p, member, p);
+        ensemble->failure_status[member] = TVI_OK;
     }
     tvi_worker_store_member(worker, ensemble, member);
-    free(state_text.parameter_values);
     return status;
 }
