@@ -3,9 +3,9 @@
 
 /* ---- The sums of the impulses at the end of a step --------------------------------------------------------------- */
 
-/* A column is a vector of unknowns at one node. The sums over nodes are compensated: the rounding errors of the additions are summed separately, and the low-order part of the result is
- * the rounding error of adding the two sums. Odd and even nodes have separate partial sums, which the processor
- * computes in parallel. */
+/* A column is a vector of unknowns at one node. The sums over nodes are compensated: the rounding errors of the
+ * additions are summed separately, and the low-order part of the result is the rounding error of adding the two sums.
+ * Odd and even nodes have separate partial sums, which the processor computes in parallel. */
 typedef struct {
     COLUMN total[2], loss[2];
 } NAME(compensated_sums);

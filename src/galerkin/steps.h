@@ -1,5 +1,6 @@
 /* steps.h - Makes the steps of the Galerkin curve (docs/method.md section 5). The library compiles this code for any
- * system and calls kernels through tables: galerkin.c does. Generated code compiles it for one system, whose sizes are constants (generated_*.h). */
+ * system, and calls kernels through tables (galerkin.c). Generated code compiles it for one system, whose sizes are
+ * constants (generated_*.h). */
 #ifndef TVI_SRC_GALERKIN_STEPS_H
 #define TVI_SRC_GALERKIN_STEPS_H
 
@@ -147,8 +148,8 @@ JET_INLINE void galerkin_make_passes(const galerkin_step_inputs *step_inputs, co
     }
 }
 
-/* Computes the increments of a step from its impulses. Returns the tail, an estimate of what the truncated series leaves
- * out. */
+/* Computes the increments of a step from its impulses. Returns the tail, an estimate of what the truncated series
+ * leaves out. */
 JET_INLINE double galerkin_compute_increments(const galerkin_step_inputs *step_inputs, const galerkin_nodes *nodes,
                                               const tvi_step_origin *origin, const tvi_increments *increments)
 {

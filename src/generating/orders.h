@@ -248,7 +248,7 @@ static inline bool curve_needs_field_order(const tvi_curve *curve, int k)
 }
 
 /* Evaluates order k of the field, and computes the coefficients of the curve that follow from it. After a failure the
- * expansion of a Lagrangian's curve ends; other systems continue, because other members may be valid. */
+ * expansion of a Lagrangian's curve ends; other systems continue, and the caller leaves the curve. */
 static inline void curve_expand_order(tvi_curve *curve, int k, tvi_status *status)
 {
     if (curve_system_form(curve) == TVI_LAGRANGIAN) {

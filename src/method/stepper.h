@@ -1,4 +1,5 @@
-/* stepper.h - Declares a stepper: a table of functions that make the steps of a method. Integrators (src/run/) call the functions. */
+/* stepper.h - Declares a stepper: a table of functions that make the steps of a method. Integrators (src/run/) call
+ * them. */
 #ifndef TVI_SRC_METHOD_STEPPER_H
 #define TVI_SRC_METHOD_STEPPER_H
 

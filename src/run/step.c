@@ -3,8 +3,8 @@
  * compensated summation (method/origin.h). */
 #include "run/guard.h"
 #include "run/integrator.h"
-#include "system/refuse.h"
 #include "algebra/sizes.h"
+#include "system/refuse.h"
 
 #include <math.h>
 #include <string.h>
