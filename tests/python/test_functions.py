@@ -122,6 +122,11 @@ class Functions(unittest.TestCase):
             self.assertEqual(tvi.potential(1, V, k=3.0).energy(7, [2], [0]), 76)
         self.assertEqual(tvi.potential(1, lambda q, time: q[0] * time, time=3.0).energy(7, [2], [0]), 6)
 
+    def test_without_keyword(self):
+        """The time without a keyword stands behind the vectors, and nowhere else."""
+        for kind, (_, vectors) in KINDS.items():
+            self.refused(kind, f"{vectors.replace(' ', ', ')}, k=2.0, t=0.0, /", "t, which has no keyword, stands after")
+
     def test_not_functions(self):
         for kind, (make, vectors) in KINDS.items():
             for given in (3, "x", None, [1.0]):

@@ -19,7 +19,7 @@ RESERVED = frozenset("n V mass system t_span q0 p0 v0 h error tolerance method o
 _REFUSED = (float("nan"), ffi.NULL)  # What the library gets where the function raised, and refuses.
 
 
-# What an argument of a user's function is by its name. Other names, such as x and a, say nothing.
+# The vector, or the time, that an argument of a user's function is by its name. Others, such as x, say nothing.
 _ROLES = {name: role for role, names in {
     "q": "q Q position positions coordinates", "v": "v qd qdot q_dot dq dqdt xdot velocity velocities",
     "p": "p P momentum momenta", "t": "t time"}.items() for name in names.split()}
@@ -66,7 +66,7 @@ class _Signature:
     """Reads which of its arguments a user's function takes the vectors, the time and parameters by."""
 
     def __init__(self, what: str, function: Callable, vectors: list[str]):
-        self.what, self.vectors, self.arguments = what, vectors, []
+        self.what, self.vectors = what, vectors
         self.calls = f"{what} is called with {_calls(vectors)}"
         try:
             self.signature = inspect.signature(function)
@@ -86,10 +86,13 @@ class _Signature:
             raise TypeError(f"{self.what} takes no parameter {missing[0]}: its function is to have an argument of that "
                             "name")
         places = [a for a in self.arguments if a.kind in (a.POSITIONAL_ONLY, a.POSITIONAL_OR_KEYWORD)]
-        self._check_places(places[:len(self.vectors)], named)
-        others = [a for a in self.arguments if a not in places[:len(self.vectors)] and a.name not in named
+        count = len(self.vectors)
+        self._check_places(places[:count], named)
+        others = [a for a in self.arguments if a not in places[:count] and a.name not in named
                   and a.kind not in (a.VAR_POSITIONAL, a.VAR_KEYWORD)]
         time = next((a for a in others if _ROLES.get(a.name) == "t"), None)
+        if time is not None and time.kind is time.POSITIONAL_ONLY and time is not places[count]:
+            raise TypeError(f"{self.calls}: {time.name}, which has no keyword, stands after {self.vectors[-1]}")
         for a in others:
             if a is not time and a.default is a.empty:
                 self._refuse_without_value(a.name, time is not None, takes_all)
