@@ -113,6 +113,12 @@ static char *history_of_member(const tvi_ensemble *ensemble, int member)
     return ensemble->histories + (size_t)member * ensemble->history_bytes;
 }
 
+/* Tells whether the last stop of a member is read or written; a run without events does neither. */
+static bool needs_stops(const tvi_ensemble *ensemble)
+{
+    return !ensemble->is_running || ensemble->segment.plan.event_count > 0;
+}
+
 void tvi_worker_load_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble, int member)
 {
     tvi_integrator *it = worker->integrator;
@@ -121,7 +127,8 @@ void tvi_worker_load_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble,
     tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, history_of_member(ensemble, member),
                                                 ensemble->history_bytes);
     tvi_integrator_load_parameters(it, ensemble->parameters + member, (size_t)ensemble->member_count);
-    memcpy(it->stop, tvi_stop_of_member(ensemble, member), tvi_size_of_stop_in_bytes(ensemble->n));
+    if (needs_stops(ensemble))
+        memcpy(it->stop, tvi_stop_of_member(ensemble, member), tvi_size_of_stop_in_bytes(ensemble->n));
     it->stats = record->stats;
     it->stats.bytes = own.bytes;
     it->stats.is_compiled = own.is_compiled;
@@ -139,7 +146,8 @@ void tvi_worker_store_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble
                                                 ensemble->history_bytes);
     tvi_scatter_member(tvi_system_parameters(it->system), ensemble->member_count, it->parameters, member,
                        ensemble->parameters);
-    memcpy(tvi_stop_of_member(ensemble, member), it->stop, tvi_size_of_stop_in_bytes(ensemble->n));
+    if (needs_stops(ensemble))
+        memcpy(tvi_stop_of_member(ensemble, member), it->stop, tvi_size_of_stop_in_bytes(ensemble->n));
     *record = (tvi_member_record){it->stats, it->h, it->covered_time, it->has_dense_output};
     record->stats.bytes = 0;
     if (it->tangent) tvi_step_columns_exchange(it, &ensemble->columns[member]);
