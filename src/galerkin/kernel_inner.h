@@ -7,15 +7,15 @@
 
 /* SINGLE is the single-precision vector with as many elements as V. ROW_VECTOR is the widest single-precision vector
  * that divides a row of LANES numbers. SINGLE_AT and PART_AT access such vectors in a row. */
-#define SINGLE KERNEL_NAME(single, V)
+#define SINGLE KERNEL_NAME(jet_single, V)
 #if LANES % 8 == 0
-#define ROW_VECTOR single_jet_v8
+#define ROW_VECTOR jet_single_jet_v8
 #elif LANES % 4 == 0
-#define ROW_VECTOR single_jet_v4
+#define ROW_VECTOR jet_single_jet_v4
 #elif LANES % 2 == 0
-#define ROW_VECTOR single_jet_v2
+#define ROW_VECTOR jet_single_jet_v2
 #else
-#define ROW_VECTOR single_jet_v1
+#define ROW_VECTOR jet_single_jet_v1
 #endif
 #define SINGLE_AT(row, v) (*(SINGLE *)((row) + (size_t)(v)*NUMBERS_OF(V)))
 #define PART_AT(row, b)   (*(ROW_VECTOR *)((row) + (size_t)(b) * (sizeof(ROW_VECTOR) / sizeof(float))))
@@ -40,7 +40,7 @@ JET_INLINE void NAME(pack)(const galerkin_nodes *nodes, const lanes_inner_iterat
                 for (int i = 0; i < group; i++) {
                     const V factor = inner->inverse_unknown_size[first + i] * by_column;
                     SINGLE_AT(packed + i * LANES, v) =
-                        KERNEL_NAME(NARROW, V)(factor * BLOCK_OF(V, inner->hessian_block + index[i], v));
+                        KERNEL_NAME(JET_NARROW, V)(factor * BLOCK_OF(V, inner->hessian_block + index[i], v));
                 }
             }
     }
@@ -114,7 +114,7 @@ JET_INLINE void NAME(begin_inner_iterations)(const galerkin_nodes *nodes, const 
         for (int v = 0; v < NAME(vectors); v++) {
             const V impulse = BLOCK_OF(V, nodes->impulse_weight, v) * BLOCK_OF(V, solver, v);
             SINGLE_AT(inner->last_impulse_change + i * LANES, v) =
-                KERNEL_NAME(NARROW, V)(factor * (impulse - BLOCK_OF(V, old, v)));
+                KERNEL_NAME(JET_NARROW, V)(factor * (impulse - BLOCK_OF(V, old, v)));
             SINGLE_AT(inner->total_unknown_change + i * LANES, v) = (SINGLE){0};
         }
     }
@@ -127,7 +127,7 @@ JET_INLINE void NAME(end_inner_iterations)(const lanes_inner_iterations *inner, 
         for (int v = 0; v < NAME(vectors); v++)
             BLOCK_AT(V, changes + inner->unknown_of_row[i] * LANES, v) =
                 INNER_MOVEMENT_UNIT * inner->unknown_size[i] *
-                KERNEL_NAME(WIDEN, V)(SINGLE_AT(inner->total_impulse_change + i * LANES, v));
+                KERNEL_NAME(JET_WIDEN, V)(SINGLE_AT(inner->total_impulse_change + i * LANES, v));
 }
 
 KERNEL_FUNCTION void NAME(run_inner_iterations)(const galerkin_nodes *nodes, const lanes_inner_iterations *inner,

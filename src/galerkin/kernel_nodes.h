@@ -94,7 +94,7 @@ JET_INLINE double NAME(sum_of)(const V x[LANES])
     for (int v = 0; v < VECTORS; v++) sum[v % GROUPS] += x[v];
     for (int half = GROUPS / 2; half > 0; half /= 2)
         for (int k = 0; k < half; k++) sum[k] += sum[k + half];
-    return KERNEL_NAME(add_lanes_of, V)(sum[0]);
+    return KERNEL_NAME(jet_add_lanes_of, V)(sum[0]);
 }
 
 /* ---- Movements --------------------------------------------------------------------------------------------------- */

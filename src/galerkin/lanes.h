@@ -31,16 +31,16 @@ enum { WIDEST = sizeof(jet_widest) / sizeof(double) };
 enum { PARTIAL_SUM_COUNT = 4 };
 
 /* These functions return the sum of a vector's elements, by adding its halves. */
-JET_INLINE double add_lanes_of_jet_v1(jet_v1 vector) { return vector; }
-JET_INLINE double add_lanes_of_jet_v2(jet_v2 vector) { return vector[0] + vector[1]; }
-JET_INLINE double add_lanes_of_jet_v4(jet_v4 vector)
+JET_INLINE double jet_add_lanes_of_jet_v1(jet_v1 vector) { return vector; }
+JET_INLINE double jet_add_lanes_of_jet_v2(jet_v2 vector) { return vector[0] + vector[1]; }
+JET_INLINE double jet_add_lanes_of_jet_v4(jet_v4 vector)
 {
-    return add_lanes_of_jet_v2((jet_v2){vector[0], vector[1]} + (jet_v2){vector[2], vector[3]});
+    return jet_add_lanes_of_jet_v2((jet_v2){vector[0], vector[1]} + (jet_v2){vector[2], vector[3]});
 }
-JET_INLINE double add_lanes_of_jet_v8(jet_v8 vector)
+JET_INLINE double jet_add_lanes_of_jet_v8(jet_v8 vector)
 {
-    return add_lanes_of_jet_v4((jet_v4){vector[0], vector[1], vector[2], vector[3]} +
-                               (jet_v4){vector[4], vector[5], vector[6], vector[7]});
+    return jet_add_lanes_of_jet_v4((jet_v4){vector[0], vector[1], vector[2], vector[3]} +
+                                   (jet_v4){vector[4], vector[5], vector[6], vector[7]});
 }
 
 /* These macros access vector k of an array, to write and to read. */
@@ -99,19 +99,19 @@ JET_INLINE void evaluate_curve_at_points(const galerkin_curve_at_points_inputs *
  * matters, 2^-72 (GALERKIN_HESSIAN_GOAL), would underflow in single precision; in this unit it is 2^-64. */
 #define INNER_MOVEMENT_UNIT 0x1p-40
 
-typedef float single_jet_v8 JET_VECTOR(float, 8);
-typedef float single_jet_v4 JET_VECTOR(float, 4);
-typedef float single_jet_v2 JET_VECTOR(float, 2);
-typedef float single_jet_v1;
+typedef float jet_single_jet_v8 JET_VECTOR(float, 8);
+typedef float jet_single_jet_v4 JET_VECTOR(float, 4);
+typedef float jet_single_jet_v2 JET_VECTOR(float, 2);
+typedef float jet_single_jet_v1;
 
 /* These macros convert vectors from double to single precision, and back. */
-#define NARROW_jet_v8(x) JET_CONVERT(single_jet_v8, x)
-#define NARROW_jet_v4(x) JET_CONVERT(single_jet_v4, x)
-#define NARROW_jet_v2(x) JET_CONVERT(single_jet_v2, x)
-#define NARROW_jet_v1(x) ((float)(x))
-#define WIDEN_jet_v8(x)  JET_CONVERT(jet_v8, x)
-#define WIDEN_jet_v4(x)  JET_CONVERT(jet_v4, x)
-#define WIDEN_jet_v2(x)  JET_CONVERT(jet_v2, x)
-#define WIDEN_jet_v1(x)  ((double)(x))
+#define JET_NARROW_jet_v8(x) JET_CONVERT(jet_single_jet_v8, x)
+#define JET_NARROW_jet_v4(x) JET_CONVERT(jet_single_jet_v4, x)
+#define JET_NARROW_jet_v2(x) JET_CONVERT(jet_single_jet_v2, x)
+#define JET_NARROW_jet_v1(x) ((float)(x))
+#define JET_WIDEN_jet_v8(x)  JET_CONVERT(jet_v8, x)
+#define JET_WIDEN_jet_v4(x)  JET_CONVERT(jet_v4, x)
+#define JET_WIDEN_jet_v2(x)  JET_CONVERT(jet_v2, x)
+#define JET_WIDEN_jet_v1(x)  ((double)(x))
 
 #endif
