@@ -91,7 +91,7 @@ ISAS         := $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),avx2 avx51
 FLAGS_avx2   := -mavx2 -mfma -ffp-contract=fast
 FLAGS_avx512 := $(FLAGS_avx2) -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512
 ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c ad/sum*.c)
-SRC_LANES    := $(addprefix src/,galerkin/loops.c generating/fast_path.c generating/products.c)
+SRC_LANES    := $(addprefix src/,galerkin/loops.c generating/curve_isa.c generating/products.c)
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) $(BUILD)/ad/embedded_rules.o \
                 $(foreach isa,$(ISAS),$(ISA_SOURCES:%.c=$(BUILD)/%.$(isa).o))
 GALERKIN_FORMS := galerkin_plain galerkin_lagrangian galerkin_hamiltonian

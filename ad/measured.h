@@ -41,12 +41,8 @@
 #define LAPACK_THREADED_MIN_ROWS 100
 /* [1] Rows have different units if their scales differ by this factor; solutions are refined then. */
 #define LINEAR_UNIT_RATIO 8
-/* [1] Rows are exchanged if a pivot is smaller, or larger, by this factor than the number on the diagonal before the
- * elimination. In a row with the units of the columns, rows are also exchanged if the pivot itself is smaller than this
- * number. */
-#define LINEAR_MIN_PIVOT 0x1p-10
-/* [1] For an inverse this factor takes the place of LINEAR_MIN_PIVOT, since an inverse rounds more than a factorisation
- * does. */
+/* [1] Rows would have to be exchanged if a pivot is smaller, or larger, by this factor than the number on the diagonal
+ * before the elimination (galerkin/kernel_matrices.h). */
 #define LINEAR_MIN_PIVOT_OF_INVERSE (1.0 / 16)
 
 /* ---- The end of the passes of every iteration: suite convergence of build/check/generating ----------------------- */
@@ -164,9 +160,6 @@
 #define MOMENTA_STALLED_CORRECTION 1e-13
 /* [1] H_pp is reused as long as each correction is less than this part of the one before. */
 #define MOMENTA_REUSE_MAX_RATIO 1e-3
-/* The velocity of a Lagrangian that belongs to a momentum is computed as accurately as predictors need it. */
-#define VELOCITY_MAX_CORRECTION  1e-8 /* [1] The last correction of a velocity is at most this part of it. */
-#define VELOCITY_MAX_CORRECTIONS 4    /* [corrections] The velocity is not found if it needs more than this many. */
 
 /* ---- Legendre transforms y = f(x): suites points and serves of build/check/generating ---------------------------- */
 

@@ -120,14 +120,6 @@ static tvi_status run_corrector(step_attempt *attempt)
     return status;
 }
 
-/* Tries to make the fast-path step of the method (curve_step.h). Returns whether there is one and its passes converged.
- * */
-static bool try_fast_path_step(const step_attempt *attempt, double dq[], double dp[])
-{
-    work *w = attempt->work;
-    return w->fast_path_step && w->fast_path_step(w, attempt->time_unit, attempt->origin, dq, dp, attempt->stats);
-}
-
 /* Rescales the curve of the plain Taylor method to tau = h, and computes the increments of its step. */
 static void compute_plain_taylor_increments(work *w, double h, const tvi_increments *increments)
 {
@@ -149,7 +141,6 @@ static tvi_status step_with_one_taylor_curve(void *workspace, double h, const tv
 {
     work *w = workspace;
     step_attempt attempt = {w, origin, w->corrected_curve.span.tau_over_h * h, stats};
-    if (try_fast_path_step(&attempt, increments->dq, increments->dp)) return TVI_OK;
     tvi_status status = predict_centre_state(&attempt);
     if (status == TVI_OK && w->has_symplectic_end_corrections) status = run_corrector(&attempt);
     else if (status == TVI_OK) status = expand_curve(&attempt, w->predicted_state, compute_centre_time(&attempt));

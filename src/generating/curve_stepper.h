@@ -1,5 +1,5 @@
-/* curve_stepper.h - declares the workspace of a method that expands one Taylor curve, for curve_stepper.c and the
- * fast-path steps. Generated code includes this text. */
+/* curve_stepper.h - declares the workspace of a method that expands one Taylor curve, for curve_stepper.c and
+ * curve_workspace.c. */
 #ifndef TVI_SRC_GENERATING_CURVE_STEPPER_H
 #define TVI_SRC_GENERATING_CURVE_STEPPER_H
 
@@ -14,7 +14,6 @@
 typedef struct {
     void (*rescale_and_sum)(tvi_curve *curve, double factor, double dq[], double du[]);
     tvi_status (*compute_seeds)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
-    tvi_fast_path_step_fn *fast_path_step;
     const tvi_end_correction_solver *matrix_free_solver;
 } tvi_curve_isa_functions;
 extern const tvi_curve_isa_functions tvi_curve_isa_functions_base, tvi_curve_isa_functions_avx2,
@@ -52,18 +51,12 @@ typedef struct tvi_curve_workspace {
     double adapted_step_tolerance, log_adapted_step_tolerance;
     double *scratch; /* [n] scratch: one vector */
     tvi_increment_refinement refinement;
-    tvi_fast_path_step_fn *fast_path_step; /* makes a whole step faster (curve_step.h); NULL if the method has none */
 } tvi_curve_workspace;
 
 void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, const tvi_options *options);
 /* Fills the tables of the workspace; it is called once. */
 void tvi_curve_workspace_compute_constant_tables(void *work);
 
-/* Returns whether the method has a fast-path step (curve_step.h): its ends are corrected by
- * tvi_solve_end_corrections_by_mean_q_jacobian, its matrices are small, and its seeds need no second derivatives. */
-bool tvi_has_fast_path_step(const tvi_system *system, const tvi_options *options);
-/* Returns the fast-path step, or NULL if there is none. */
-tvi_fast_path_step_fn *tvi_choose_fast_path_step(const tvi_corrected_curve *corrected, const tvi_options *options);
 /* Tells whether the curve of a step of size h satisfies the equation of motion dp/ds = h F at its end, with the force F
  * and the scaled time s, 0 to 1 in the step. The two sides may differ by q_degree times relative_tolerance times the
  * largest momentum, or by the roundoff of F. The coefficients at the start do not show a force that the body meets only

@@ -86,7 +86,6 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
     if (has_symplectic_end_corrections) {
         tvi_allocate_action(&w.action, arena, system, options);
         tvi_newton_allocate(&w.newton, arena, 2, system, w.corrected_curve.solver->jacobian != NULL);
-        w.fast_path_step = tvi_choose_fast_path_step(&w.corrected_curve, options);
     }
     if (workspace) *workspace = w;
     return workspace;

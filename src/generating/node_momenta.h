@@ -53,17 +53,11 @@ static inline tvi_status momenta_invert_H_pp_by_columns(const tvi_action *action
 /* Replaces H_pp by H_pp^-1 at all nodes. */
 static inline tvi_status momenta_invert_H_pp(const tvi_action *action, tvi_curve *curve)
 {
-    const int n = curve_dimension(curve), points = action->node_count;
     tvi_status status = TVI_OK;
     momenta_compute_H_pp(action, curve);
-    for (int node = 0; node < points && status == TVI_OK; node++) {
+    for (int node = 0; node < action->node_count && status == TVI_OK; node++) {
         momenta_copy_H_pp_of_node(action, curve, node);
-        if (n <= LINEAR_OWN_MAX_ROWS && linear_unpivoted_invert(n, curve->velocity_hessian.lu)) {
-            for (int i = 0; i < n * n; i++) action->H_pp[i * points + node] = curve->velocity_hessian.lu[i];
-        } else {
-            momenta_copy_H_pp_of_node(action, curve, node);
-            status = momenta_invert_H_pp_by_columns(action, curve, node);
-        }
+        status = momenta_invert_H_pp_by_columns(action, curve, node);
     }
     return status;
 }

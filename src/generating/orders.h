@@ -1,5 +1,5 @@
-/* orders.h - computes the coefficients of one order of a curve and of its tangents. curve.c, jacobian.c and the
- * fast-path steps call it.
+/* orders.h - computes the coefficients of one order of a curve and of its tangents. curve.c and jacobian.c
+ * call it.
  *
  * A Lagrangian's order k needs three computations, with V_k the coefficient k of the velocity. First the field is
  * computed with V_k = 0, which omits the term L_vv V_k of [s^k] L_v. Then the equations are solved for V_k. Last, each
@@ -52,38 +52,21 @@ static inline void orders_copy_velocity_hessian(const tvi_curve *curve)
                (size_t)n * sizeof(double));
 }
 
-/* Inverts L_vv at the centre if it is small and needs no row exchanges, and factors it otherwise. */
+/* Factors L_vv at the centre. */
 static inline tvi_status orders_factor_velocity_hessian(tvi_curve *curve)
 {
     orders_differentiate_slots_by_velocity(curve);
-    orders_copy_velocity_hessian(curve);
-    curve->is_velocity_hessian_inverted = curve_dimension(curve) <= LINEAR_OWN_MAX_ROWS &&
-                                          linear_unpivoted_invert(curve_dimension(curve), curve->velocity_hessian.lu);
-    if (curve->is_velocity_hessian_inverted) return TVI_OK;
     orders_copy_velocity_hessian(curve);
     return tvi_factor_compute(&curve->velocity_hessian);
 }
 
 /* ---- Orders of all lanes ----------------------------------------------------------------------------------------- */
 
-#define ORDERS_MULTIPLY_BY_INVERSE(V, S)                                                                               \
-    {                                                                                                                  \
-        V sum = inverse[0] * JET_OF(V, right_side, 0);                                                                 \
-        for (int j = 1; j < n; j++) sum += inverse[j] * JET_OF(V, right_side, j);                                      \
-        JET_AT(V, out, 0) = sum;                                                                                       \
-    }
-
 /* Computes out = L_vv^-1 right_side, both [n][lanes]. */
 static inline void orders_solve_with_velocity_hessian(const tvi_curve *curve, int lanes, double right_side[],
                                                       double out[])
 {
     const int n = curve_dimension(curve);
-    const size_t stride = (size_t)lanes;
-    const double *inverse = curve->velocity_hessian.lu;
-    if (curve->is_velocity_hessian_inverted) {
-        for (int i = 0; i < n; i++, inverse += n, out += lanes) JET_BLOCKS(lanes, ORDERS_MULTIPLY_BY_INVERSE, );
-        return;
-    }
     for (int lane = 0; lane < lanes; lane++) {
         double *column = curve->right_side_column;
         for (int i = 0; i < n; i++) column[i] = right_side[i * lanes + lane];

@@ -1,7 +1,7 @@
 /* seeds.h - computes the gradient D_z of the discrete action of a Taylor curve by z, the state at the curve's centre.
  * The gradient is computed in the form of seeds, which are vectors seed_Q[k] and seed_U[k] with D_z = sum_k (dQ_k/dz)^T
  * seed_Q[k] + (dU_k/dz)^T seed_U[k]. Here Q_k and U_k are the coefficients of s^k in the curve's position and in its
- * scaled momentum, and s is the scaled time. action.c and the fast-path steps call this file.
+ * scaled momentum, and s is the scaled time. action.c and curve_isa.c call this file.
  *
  * D_z is a sum over the nodes of a quadrature. Its formulas use these letters:
  *     g, p              the position and the momentum of the curve, functions of s; P_j is the coefficient of s^j in p
@@ -231,13 +231,5 @@ static inline tvi_status seeds_compute_adjoint_seeds_from_field_only(tvi_action 
         seeds_compute_from_node_gradient(action, curve, q_coefficient_seed, scaled_p_coefficient_seed);
     return status;
 }
-
-/* ---- Fast-path steps --------------------------------------------------------------------------------------------- */
-
-struct tvi_curve_workspace;
-/* The type of the functions that make a fast-path step by step_try_fast_path_step (curve_step.h), each of which is
- * compiled for one instruction set. Returns false if the step was not made. */
-typedef bool tvi_fast_path_step_fn(struct tvi_curve_workspace *work, double tau, const tvi_step_origin *origin,
-                                   double dq[], double dp[], tvi_stats *stats);
 
 #endif

@@ -45,8 +45,7 @@ typedef struct {
     double *displacement_size, *momentum_size; /* [n] sum_k k |Q_k|, and |U_0| + sum_k k |U_k| */
     /* [n] Scratch of the tail: each component's share of the motion, and the larger ratio of a last term to its sum. */
     double *motion_share_for_tail, *last_term_ratio_for_tail;
-    tvi_lu_factor velocity_hessian;    /* L_vv or H_pp at the centre; unused if separable */
-    bool is_velocity_hessian_inverted; /* whether velocity_hessian.lu contains the inverse */
+    tvi_lu_factor velocity_hessian; /* L_vv or H_pp at the centre; unused if separable */
     /* [slots][n] The derivatives of all slots by the second input, v or p, at the centre. */
     double *slot_derivatives_by_velocity;
     /* Scratch for solving with velocity_hessian: right sides [n][lanes], and one column [n]. */

@@ -1,6 +1,5 @@
 /* tangents.h - computes the Jacobian matrices of a Taylor curve with respect to its centre state, in blocks of
- * tangent directions, and multiplies vectors by them. jacobian.c and the fast-path steps call it; other files call the
- * functions of curve.h. */
+ * tangent directions, and multiplies vectors by them. jacobian.c calls it; other files call the functions of curve.h. */
 #ifndef TVI_SRC_GENERATING_TANGENTS_H
 #define TVI_SRC_GENERATING_TANGENTS_H
 
@@ -119,7 +118,8 @@ static inline void curve_multiply_transposed_coefficient_jacobians(const tvi_cur
 {
     const int n = curve_dimension(curve), directions = 2 * n, rows = (curve_highest_order(curve) + 1) * n;
     const double *J = curve_coefficient_jacobians(curve, of_momentum);
-    CURVE_COMBINE(curve->system->field_series, rows, seed, 1, directions, J, out); }
+    CURVE_COMBINE(curve->system->field_series, rows, seed, 1, directions, J, out);
+}
 
 static inline void curve_multiply_transposed_jacobians_by_seeds(tvi_curve *curve, const double seed_Q[],
                                                                 const double seed_U[], double out[])

@@ -299,80 +299,6 @@ START_TEST(singular_lanes_are_seen)
 }
 END_TEST
 
-/* ---- Without exchanges of rows ----------------------------------------------------------------------------------- */
-
-/* n <= MOST: I + a part of other numbers, of which rows and columns are in units of their own. */
-static void fill_plainly(int n, double part, bool has_units, double A[])
-{
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            const double unit = has_units ? ldexp(1, 9 * i - 7 * j) : 1;
-            A[i * n + j] = unit * ((i == j) + part * cos(1 + i * 3.7 + j * 1.3 + i * j));
-        }
-}
-
-START_TEST(plain_factors_solve)
-{
-    const int n = 1 + _i / 2;
-    const bool has_units = _i % 2;
-    open_factor x = open_of_size(n), y = open_of_size(n);
-    double A[MOST * MOST] = {0}, b[MOST] = {0}, got[MOST] = {0}, product[MOST] = {0}, *inverse = y.factor.lu;
-    fill_plainly(n, 0.2, has_units, A);
-    memcpy(x.factor.lu, A, (size_t)(n * n) * sizeof *A);
-    memcpy(inverse, A, (size_t)(n * n) * sizeof *A);
-    ck_assert(linear_unpivoted_factor_in_place(n, has_units ? 0 : n, &x.factor));
-    ck_assert(linear_unpivoted_invert(n, inverse));
-    for (int transposed = 0; transposed < 2; transposed++) {
-        for (int i = 0; i < n; i++) b[i] = got[i] = sin(1 + i) * ldexp(1, !has_units ? 0 : transposed ? -7 * i : 9 * i);
-        (transposed ? linear_unpivoted_solve_transposed : linear_unpivoted_solve)(n, &x.factor, got);
-        check_residual(n, A, transposed, got, b);
-        if (transposed) continue;
-        for (int i = 0; i < n; i++) {
-            product[i] = 0;
-            for (int j = 0; j < n; j++) product[i] += inverse[i * n + j] * b[j];
-        }
-        check_residual(n, A, false, product, b);
-    }
-    free(x.memory);
-    free(y.memory);
-}
-END_TEST
-
-/* A matrix that has no pivots without exchanges: the diagonal is small, or nothing is left of it. */
-static const struct {
-    const char *name;
-    double A[4];
-    int in_units;
-    bool is_safe;
-} pivots[] = {
-    {"the identity", {1, 0, 0, 1}, 2, true},
-    {"of other units", {0x1p40, 0x1p20, 0x1p-20, 0x1p-38}, 0, true},
-    {"of other units, said to be of one", {0x1p40, 0x1p20, 0x1p-20, 0x1p-38}, 2, false},
-    {"a resonance that is near", {0.01, 0, 0, 2}, 2, true},
-    {"a resonance", {1e-6, 0, 0, 2}, 2, false},
-    {"a quarter of a turn", {0.01, 1, -1, 0.01}, 2, false},
-    {"the same in other units", {0.01, 0x1p30, -0x1p-30, 0.01}, 0, false},
-    {"coordinates and columns beside each other", {0, 1, 1, 0}, 0, false},
-    {"rank one", {1, 1, 1, 1 + 1e-9}, 2, false},
-    {"zero", {0, 0, 0, 0}, 0, false},
-    {"no number", {1, 0, 0, NAN}, 0, false},
-};
-enum { PIVOTS = sizeof pivots / sizeof *pivots };
-
-START_TEST(plain_factors_refuse_what_needs_exchanges)
-{
-    open_factor x = open_of_size(2);
-    double A[4];
-    memcpy(x.factor.lu, pivots[_i].A, sizeof A);
-    memcpy(A, pivots[_i].A, sizeof A);
-    const bool is_safe = linear_unpivoted_factor_in_place(2, pivots[_i].in_units, &x.factor);
-    ck_assert_msg(is_safe == pivots[_i].is_safe, "%s", pivots[_i].name);
-    if (pivots[_i].in_units == 0)
-        ck_assert_msg(linear_unpivoted_invert(2, A) == pivots[_i].is_safe, "the inverse: %s", pivots[_i].name);
-    free(x.memory);
-}
-END_TEST
-
 Suite *suite_linear(void)
 {
     Suite *suite = suite_create("linear");
@@ -383,8 +309,6 @@ Suite *suite_linear(void)
     tcase_add_loop_test(linear, units_of_columns_show_nowhere, 2, MOST + 1);
     tcase_add_loop_test(linear, small_unknowns_have_their_own_roundoff, 2, MOST + 1);
     tcase_add_test(linear, small_unknown_of_an_even_scale_has_its_own_roundoff);
-    tcase_add_loop_test(linear, plain_factors_solve, 0, 2 * MOST);
-    tcase_add_loop_test(linear, plain_factors_refuse_what_needs_exchanges, 0, PIVOTS);
     tcase_add_loop_test(linear, lanes_are_solved_alone, 0, MOST * LANE_COUNTS);
     tcase_add_loop_test(linear, singular_lanes_are_seen, 0, MOST * LANE_COUNTS);
     suite_add_tcase(suite, linear);
