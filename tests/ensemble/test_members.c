@@ -231,31 +231,39 @@ static void change_both(void)
 
 /* ---- Problems ---------------------------------------------------------------------------------------------------- */
 
+/* A form, and a method that serves it. */
+static void choose_system(void)
+{
+    for (;;) {
+        const form *as = &forms[below(form_count)];
+        const method *by = &methods[below(method_count)];
+        o.system = system_of(as);
+        o.is_taylor = strcmp(by->name, "taylor") == 0, o.is_rescaled = strcmp(as->name, "rescaled") == 0;
+        if (has_options(o.system, by, &o.options)) return;
+        tvi_system_free(o.system);
+    }
+}
+
 static void run_problem(int number)
 {
     o.random = (uint64_t)number;
     (void)below(2);
-    const form *as = &forms[below(form_count)];
-    const method *by = &methods[below(method_count)];
-    o.system = system_of(as);
-    if (has_options(o.system, by, &o.options)) {
-        const int first = below(1000);
-        o.is_taylor = strcmp(by->name, "taylor") == 0, o.is_rescaled = strcmp(as->name, "rescaled") == 0;
-        OK(tvi_ensemble_create(&o.ensemble, o.system, &o.options, MEMBERS, 1 + below(3)));
-        set_values(o.ensemble, MEMBERS, first);
-        start_group(&o.members, MEMBERS, first);
-        for (int m = 0; m < MEMBERS; m++) {
-            o.by_itself[m] = start_alone(o.system, &o.options, first + m);
-            o.status[m] = TVI_OK;
-        }
-        for (int round = 0; round < ROUNDS; round++) {
-            run_both();
-            change_both();
-        }
-        compare_counts();
-        for (int m = 0; m < MEMBERS; m++) end_alone(&o.by_itself[m]);
-        tvi_ensemble_free(o.ensemble);
+    choose_system();
+    const int first = below(1000);
+    OK(tvi_ensemble_create(&o.ensemble, o.system, &o.options, MEMBERS, 1 + below(3)));
+    set_values(o.ensemble, MEMBERS, first);
+    start_group(&o.members, MEMBERS, first);
+    for (int m = 0; m < MEMBERS; m++) {
+        o.by_itself[m] = start_alone(o.system, &o.options, first + m);
+        o.status[m] = TVI_OK;
     }
+    for (int round = 0; round < ROUNDS; round++) {
+        run_both();
+        change_both();
+    }
+    compare_counts();
+    for (int m = 0; m < MEMBERS; m++) end_alone(&o.by_itself[m]);
+    tvi_ensemble_free(o.ensemble);
     tvi_system_free(o.system);
 }
 
