@@ -125,7 +125,8 @@ class Functions(unittest.TestCase):
     def test_without_keyword(self):
         """The time without a keyword stands behind the vectors, and nowhere else."""
         for kind, (_, vectors) in KINDS.items():
-            self.refused(kind, f"{vectors.replace(' ', ', ')}, k=2.0, t=0.0, /", "t, which has no keyword, stands after")
+            arguments = f"{vectors.replace(' ', ', ')}, k=2.0, t=0.0, /"
+            self.refused(kind, arguments, "t, which has no keyword, stands after")
 
     def test_not_functions(self):
         for kind, (make, vectors) in KINDS.items():
