@@ -147,7 +147,8 @@ static tvi_status find_conic(const tvi_orbit *o, double mu, conic *c)
     const double alpha = o->a == 0 ? (1 - o->e) / q : 1 / o->a, e = 1 - q * alpha;
     if (!(mu > 0)) return jet_refuse(TVI_EINVAL, "mu = %g is not positive", mu);
     if (!(o->e >= 0)) return jet_refuse(TVI_EINVAL, "e = %g is negative", o->e);
-    if (!(o->i >= 0 && o->i <= PI)) return jet_refuse(TVI_EINVAL, "i = %.16g is not within [0, pi]", o->i);
+    if (!(o->i >= 0 && o->i <= PI))
+        return jet_refuse(TVI_EINVAL, "i = %.16g is not within [0, pi]: angles are in radians", o->i);
     if (!(q > 0 && isfinite(q))) return refuse_size(o, q);
     if (!isfinite(alpha)) return jet_refuse(TVI_ENONFINITE, "1 / a = %g is not finite", alpha);
     if (!agree(o->e - e, AGREEMENT * (1 + fabs(e))))
