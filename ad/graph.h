@@ -88,6 +88,8 @@ struct jet_node {
     struct jet_node *a; /* The first operand; NULL: there is none. */
     struct jet_node *b; /* The second operand; NULL: there is none. */
     struct jet_node *w; /* The auxiliary node, whose series the recurrence needs; NULL: there is none. */
+    /* The node for whose auxiliary series this node was recorded, with which a refusal names it; NULL: none. */
+    const struct jet_node *owner;
     jet_term *terms;    /* LINEAR: the terms of the sum, [count]. */
     int count;          /* Number of terms. */
     int scratch;        /* Scratch of the function that runs: the index of a term, or a flag. */

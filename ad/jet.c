@@ -234,6 +234,7 @@ static jet record_node_and_its_auxiliary_node(jet_graph *graph, jet_op op, struc
         const jet w = record_auxiliary_node_for_series_of(graph, z);
         if (jet_is_poison(w)) return w;
         z->w = w.node;
+        for (int i = z->index + 1; i < jet_graph_node_count(graph); i++) jet_graph_node_at(graph, i)->owner = z;
     }
     return jet_from_node(z);
 }

@@ -67,9 +67,11 @@ bool jet_set_error_text_of_failed_sweep(const jet_tape *tape, double *block, int
             const bool is_part = tape->name_of_operations_added_by_library &&
                                  tape->recorded_operation_number_of_slot[run->z + operation] >=
                                      tape->first_operation_number_added_by_library;
-            (void)jet_refuse(TVI_EDOMAIN, "%s%sjet_%s has no power series at %g: operation %d of the recording",
+            const jet_op owner = tape->owner_of_slot[run->z + operation];
+            (void)jet_refuse(TVI_EDOMAIN, "%s%sjet_%s%s%s has no power series at %g: operation %d of the recording",
                              is_part ? tape->name_of_operations_added_by_library : "", is_part ? ": " : "",
-                             operation_names[run->op],
+                             operation_names[run->op], owner ? " in the derivatives of jet_" : "",
+                             owner ? operation_names[owner] : "",
                              value_of_operand_outside_domain(run, block, lanes, operation, i % lanes),
                              tape->recorded_operation_number_of_slot[run->z + operation]);
             return false;

@@ -131,8 +131,10 @@ static void lay_out_runs_and_constants(graph_lowering *lowering, jet_tape *tape)
 {
     for (int i = 0; i < lowering->slot_count; i++) {
         const tape_placement *z = lowering->nodes_by_slot[i];
+        const struct jet_node *named = z->node && z->node->owner ? z->node->owner : z->node;
         tape->recorded_operation_number_of_slot[i] =
-            z->node ? z->node->index + 1 - jet_graph_input_count(lowering->graph) : 0;
+            named ? named->index + 1 - jet_graph_input_count(lowering->graph) : 0;
+        tape->owner_of_slot[i] = named != z->node ? named->op : OP_INPUT;
         if (z->op == OP_INPUT) tape->input_count++;
         else if (z->op == OP_CONST || z->op == OP_PARAMETER) append_constant(tape, z);
         else append_operation(lowering, tape, z);
@@ -159,10 +161,11 @@ static bool allocate_lowering_and_tape(graph_lowering *lowering, jet_tape *tape,
     tape->term_coefficient = calloc(pairs + copies, sizeof *tape->term_coefficient);
     tape->output_slot = calloc((size_t)output_count + 1, sizeof *tape->output_slot);
     tape->recorded_operation_number_of_slot = calloc(nodes + copies, sizeof *tape->recorded_operation_number_of_slot);
+    tape->owner_of_slot = calloc(nodes + copies, sizeof *tape->owner_of_slot);
     return lowering->is_node_needed && lowering->use_counts && lowering->placements && lowering->nodes_by_level &&
            lowering->nodes_by_slot && lowering->operands && tape->runs && tape->constant_values && tape->parameters &&
            tape->constant_terms && tape->term_slot && tape->term_slot_b && tape->term_coefficient &&
-           tape->output_slot && tape->recorded_operation_number_of_slot;
+           tape->output_slot && tape->recorded_operation_number_of_slot && tape->owner_of_slot;
 }
 
 /* Lowers the graph to the tape, whose arrays are allocated. */

@@ -68,6 +68,9 @@ typedef struct {
     int *output_slot;             /* [output_count] The slot of each output of the tape. */
     /* [slot_count] Number of the operation in the order of recording, from 1 on; 0 for copies, negative for inputs. */
     int *recorded_operation_number_of_slot;
+    /* [slot_count] For an operation that another one needs (jet_node.owner), the operation of the user's that needs it,
+     * whose number the slot then has; OP_INPUT for all others. */
+    jet_op *owner_of_slot;
     /* Name of the operations that the library recorded itself (jet_graph_begin_nodes_added_by_library); NULL: there are
      * none. */
     const char *name_of_operations_added_by_library;

@@ -13,7 +13,7 @@ typedef struct {
 } tape_array;
 
 /* Lists all arrays of a tape. jet_tape_free frees them, and jet_tape_continue_hash hashes them. */
-enum { TAPE_ARRAYS = 9 };
+enum { TAPE_ARRAYS = 10 };
 _Static_assert(sizeof(jet_run_of_operations) == 9 * sizeof(int) + 2 * sizeof(short) + sizeof(double),
                "A run, whose bytes are hashed, has no gaps.");
 static void list_tape_arrays(const jet_tape *tape, tape_array list[TAPE_ARRAYS])
@@ -29,6 +29,7 @@ static void list_tape_arrays(const jet_tape *tape, tape_array list[TAPE_ARRAYS])
         {tape->term_coefficient, terms * sizeof *tape->term_coefficient},
         {tape->output_slot, (size_t)tape->output_count * sizeof *tape->output_slot},
         {tape->recorded_operation_number_of_slot, 0},
+        {tape->owner_of_slot, 0},
     };
     memcpy(list, all, sizeof all);
 }

@@ -6,6 +6,8 @@ from __future__ import annotations
 import re
 from types import TracebackType
 
+import numpy as np
+
 _TABLE = ": a table has no power series at its points. Fit a smooth function, such as p = " \
     "np.polynomial.Polynomial.fit(x, y, 8), and write p(q[0])"
 _JUMP = ": a jump has no power series. Write a smooth step, such as (1 + np.tanh(x / width)) / 2, or let a terminal " \
@@ -53,7 +55,9 @@ def unrecorded(error: Exception) -> str | None:
     name = name or named
     instead = _INSTEAD.get(name) or _INSTEAD.get(named) or _INSTEAD.get(package, _OTHER)
     is_of_scipy = package.startswith("scipy") and name not in _INSTEAD
-    return f"{package if is_of_scipy else name} takes no jets{instead.format(name)}"
+    folder = package[len("numpy."):] + "." if package in ("numpy.linalg", "numpy.fft") else ""
+    of_numpy = f"np.{folder}{name}" if folder or hasattr(np, name) else name
+    return f"{package if is_of_scipy else of_numpy} takes no jets{instead.format(name)}"
 
 
 def _called(traceback: TracebackType | None) -> tuple[str, str]:
