@@ -90,9 +90,9 @@ struct jet_node {
     struct jet_node *w; /* The auxiliary node, whose series the recurrence needs; NULL: there is none. */
     /* The node for whose auxiliary series this node was recorded, with which a refusal names it; NULL: none. */
     const struct jet_node *owner;
-    jet_term *terms;    /* LINEAR: the terms of the sum, [count]. */
-    int count;          /* Number of terms. */
-    int scratch;        /* Scratch of the function that runs: the index of a term, or a flag. */
+    jet_term *terms; /* LINEAR: the terms of the sum, [count]. */
+    int count;       /* Number of terms. */
+    int scratch;     /* Scratch of the function that runs: the index of a term, or a flag. */
     /* PARAMETER: the index of the parameter. This member must be the last one, since test_sharing.c compares all
      * members before it. */
     int parameter_index;

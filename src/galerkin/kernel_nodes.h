@@ -188,10 +188,7 @@ JET_INLINE double NAME(size_of)(const galerkin_nodes *nodes, int u)
 }
 
 /* Returns what is added to the sizes of unknowns, of which this is the largest one. */
-JET_INLINE double NAME(least_of)(double largest)
-{
-    return largest > 0 ? GALERKIN_MIN_SHARE * largest + DBL_MIN : 1;
-}
+JET_INLINE double NAME(least_of)(double largest) { return largest > 0 ? GALERKIN_MIN_SHARE * largest + DBL_MIN : 1; }
 
 /* Sets inverse_unknown_size for the unknowns of one subsystem. To the size of each unknown it adds a small part of the
  * largest size in its subsystem (GALERKIN_MIN_SHARE). If masses are known, the size of a momentum is at least
