@@ -56,7 +56,7 @@ typedef struct jet_graph jet_graph;
 /* Lists the reasons why a jet has no value, each with its status and text. The reason JET_OUTSIDE + op means that the
  * operand of the operation op is outside the domain, where the operation has no power series. */
 #define JET_REASON_LIST(ROW)                                                                                           \
-    ROW(JET_UNSET, TVI_EINVAL, "was not set")                                                                          \
+    ROW(JET_UNSET, TVI_EINVAL, "was not set, or is made of a jet that was not set")                                    \
     ROW(JET_FOREIGN, TVI_EINVAL, "is made of jets of another recording, or of one that has ended")                     \
     ROW(JET_NO_FUNCTION, TVI_EINVAL, "is made by a function that does not exist")                                      \
     ROW(JET_NO_PARAMETER, TVI_EINVAL,                                                                                  \

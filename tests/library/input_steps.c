@@ -143,8 +143,8 @@ static const struct {
     {"sqrt of negative", root, {0, {-1, 0.5}, {0, 0}}, "jet_sqrt has no power series at -0.5: operation 2 of"},
     {"sqrt of zero", root, {0, {-1, 1}, {0, 0}}, "jet_sqrt has no power series at 0: operation 2 of"},
     {"division by zero", quotient, {0, {0, 1}, {0, 0}}, "jet_div has no power series at 0"},
-    {"asin of one", arc, {0, {1, 1}, {0, 0}}, "jet_sqrt has no power series at 0"}, /* of its derivative */
-    {"asin beyond one", arc, {0, {-2, 1}, {0, 0}}, "jet_sqrt has no power series at -3"},
+    {"asin of one", arc, {0, {1, 1}, {0, 0}}, "jet_sqrt in the derivatives of jet_asin has no power series at 0"},
+    {"asin beyond one", arc, {0, {-2, 1}, {0, 0}}, "jet_sqrt in the derivatives of jet_asin has no power series at -3"},
     {"log of a negative time", late, {-1, {1, 1}, {0, 0}}, "jet_log has no power series at -"},
 };
 

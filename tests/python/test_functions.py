@@ -75,7 +75,8 @@ class Functions(unittest.TestCase):
                 for role in set(ROLES) - {vector}:
                     for name in ROLES[role].split():
                         arguments = [*"xy"[:i], name, *"ab"[:len(places) - i - 1]]
-                        text = f"{name} comes last" if role == "t" else f"{name} stands in the place of {vector}"
+                        text = (f"{name} stands in the place of {vector}" if role != "t" else f"{name} comes last"
+                                if i < len(places) - 1 else f"{vector} is missing before {name}")
                         self.refused(kind, ", ".join(arguments), text, f"{kind} is called with ({', '.join(places)})")
             if len(places) == 2:
                 self.refused(kind, ", ".join(reversed(places)), f"{places[1]} stands in the place of {places[0]}")

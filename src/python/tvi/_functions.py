@@ -103,7 +103,10 @@ class _Signature:
         for a, vector in zip(places, self.vectors):
             role = _ROLES.get(a.name, vector)
             if role == "t":
-                raise TypeError(f"{self.calls}: {a.name} comes last")
+                if a is not self.arguments[-1]:
+                    raise TypeError(f"{self.calls}: {a.name} comes last")
+                raise TypeError(f"{self.calls}, and its function takes {self.signature}: {vector} is missing before "
+                                f"{a.name}")
             if role != vector or a.name in named or a.default is not a.empty and a.name not in _ROLES:
                 raise TypeError(f"{self.calls}, and its function takes {self.signature}: {a.name} stands in the place "
                                 f"of {vector}")
@@ -114,7 +117,7 @@ class _Signature:
         role = _ROLES.get(name)
         if role in _STATED_ELSEWHERE and role not in self.vectors:
             raise TypeError(f"{self.calls}, and its function takes {self.signature}: {_STATED_ELSEWHERE[role]}")
-        where = "as a parameter" if takes_all else "as a parameter of the system"
+        where = f"where {self.what} is made" if takes_all else "as a parameter of the system"
         value = f"give {name}=... {where}" if name not in RESERVED else NOT_A_PARAMETER.format(name)
         raise TypeError(f"{self.calls}, and {name} has no value: {value}"
                         f"{'' if has_time else ', or call it t if it is the time'}")

@@ -16,7 +16,8 @@ BRANCH = ("a branch on the value of a jet cannot be recorded: the function is ca
           "ordinary numbers are fine")
 _NUMBER = ("a jet has no value yet: the function is called once, without numbers. Write np.sin, not math.sin. Where "
            "an array is filled, return a list, or fill np.empty(n, object) and not np.zeros(n)")
-_COMPLEX = "jets are real, not complex: write real and imaginary parts, such as np.cos(x) and np.sin(x) for np.exp(1j * x)"
+_COMPLEX = ("jets are real, not complex: write real and imaginary parts, such as np.cos(x) and np.sin(x) for "
+            "np.exp(1j * x)")
 
 
 class Recording:
