@@ -1,5 +1,6 @@
 /* tangents.h - computes the Jacobian matrices of a Taylor curve with respect to its centre state, in blocks of
- * tangent directions, and multiplies vectors by them. jacobian.c calls it; other files call the functions of curve.h. */
+ * tangent directions, and multiplies vectors by them. jacobian.c calls it; other files call the functions of
+ * curve.h. */
 #ifndef TVI_SRC_GENERATING_TANGENTS_H
 #define TVI_SRC_GENERATING_TANGENTS_H
 
