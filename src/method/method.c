@@ -256,7 +256,9 @@ static bool is_same_name(const char *list_name, const char *name) { return list_
 /* Refuses a name that no method has, with a text that lists all names. */
 static tvi_status refuse_name(const char *name)
 {
-    tvi_status status = jet_refuse(TVI_EINVAL, "no method is called \"%.40s\"; there are", name);
+    tvi_status status = jet_refuse(
+        TVI_EINVAL, "no method is called \"%.40s\": \"galerkin\" is the default, \"taylor\" has tolerances; all are",
+        name);
     for (const tvi_descriptor *const *d = tvi_methods; *d; d++)
         for (int nodes = 0; nodes <= TVI_NODES_TRUNCATED; nodes++)
             if ((*d)->nodes[nodes].name)

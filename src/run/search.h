@@ -6,7 +6,7 @@
 
 #include "system/event.h"
 #include "run/partial_step.h"
-#include "run/narrow.h"
+#include "algebra/narrow.h"
 
 /* A root of an event function g: a point of a step where g reaches 0 or changes its sign. */
 typedef struct {

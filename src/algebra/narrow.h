@@ -1,7 +1,7 @@
-/* narrow.h - Finds a sign change of a function in a bracket. The search for events (search.c, finder.c) and the
- * computation of states at given times (partial_step.c) call it. */
-#ifndef TVI_SRC_RUN_NARROW_H
-#define TVI_SRC_RUN_NARROW_H
+/* narrow.h - Finds a sign change of a function in a bracket. The search for events (run/search.c, run/finder.c)
+ * and the computation of states at given times (run/partial_step.c) call it. */
+#ifndef TVI_SRC_ALGEBRA_NARROW_H
+#define TVI_SRC_ALGEBRA_NARROW_H
 
 #include "tvi.h"
 

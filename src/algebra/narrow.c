@@ -1,6 +1,6 @@
 /* narrow.c - Narrows a bracket of a sign change of a function until it contains the zero to the wanted accuracy, by the
  * ITP method (narrow.h). */
-#include "run/narrow.h"
+#include "algebra/narrow.h"
 #include "algebra/sizes.h"
 #include "measured.h"
 
