@@ -11,7 +11,7 @@ FIRST   := generating library compiled
 CHECKS  := $(patsubst %,check-%,$(FIRST) $(filter-out $(FIRST),$(FOLDERS)) generated-few examples python install instructions \
            headers readme formatting tables symbols names floors cases)
 LONG    := $(patsubst %,check-%,sanitizers cases-long arm coverage isas plain thorough valgrind gallery warnings-clang dist threads bench)
-ALL     := $(patsubst %,check-%,generated equilibria optimized)
+ALL     := $(patsubst %,check-%,generated members equilibria optimized)
 .PHONY: check check-long check-all run-check run-check-long run-check-all test-programs $(CHECKS) $(CHECKS:check-%=do-%) \
         $(LONG) $(LONG:check-%=do-%) $(ALL) $(ALL:check-%=do-%)
 
@@ -148,6 +148,11 @@ do-thorough: $(addprefix $(BUILD)/check/,bodies ensemble events library generati
 	tests/suites.sh states $(BUILD)/check/generating
 	tests/suites.sh members $(BUILD)/check/ensemble
 	tests/suites.sh equilibria/springs $(BUILD)/check/stability
+
+# 102,000 random members beside integrators, of which check-thorough has an eighth and make check an 85th
+check-members: ; $(REPORT) "102,000 members of ensembles are integrators, to the bit" $(DO)
+do-members: $(BUILD)/check/ensemble
+	TVI_MEMBERS=all tests/suites.sh members $<
 
 # 20,000 steps of every method about every equilibrium at 1 and at 100
 check-equilibria: ; $(REPORT) "long runs about equilibria" $(DO)
