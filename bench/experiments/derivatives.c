@@ -23,10 +23,10 @@ static prolongation prolong(const tvi_system *system, const scene *s, int top)
 {
     prolongation x;
     tvi_arena arena = {0};
-    tvi_curve_allocate(&x.curve, &arena, system, top, true, 1);
+    tvi_curve_allocate(&x.curve, &arena, system, top, true);
     x.memory = tvi_arena_obtain_memory(&arena);
     if (!x.memory) exit(EXIT_FAILURE);
-    tvi_curve_allocate(&x.curve, &arena, system, top, true, 1);
+    tvi_curve_allocate(&x.curve, &arena, system, top, true);
     tvi_blocks_set_constants(arena.first_tape_block);
     tvi_curve_fill_constant_tables(&x.curve);
     double z[2 * BASELINE_N_MAX];

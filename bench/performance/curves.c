@@ -7,7 +7,7 @@
 
 static void lay_out(open_curve *c, tvi_arena *arena, const tvi_system *system, int N)
 {
-    tvi_curve_allocate(&c->curve, arena, system, N, TVI_JACOBIAN_PRODUCTS, 1);
+    tvi_curve_allocate(&c->curve, arena, system, N, TVI_JACOBIAN_PRODUCTS);
     c->z = tvi_arena_allocate_doubles(arena, 2 * (size_t)system->n);
 }
 
