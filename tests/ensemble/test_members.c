@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MEMBERS = 12, ROUNDS = 6, TIMES = 4, PROBLEMS = 100, SHARES = 85 };
+enum { MEMBERS = 12, ROUNDS = 6, TIMES = 4, PROBLEMS = 50, SHARES = 170 };
 
 /* What a member was told in a round, as a hash, and the call that stops it; 0: none. */
 typedef struct {
@@ -282,7 +282,7 @@ Suite *suite_members(void)
     TCase *tests = tcase_create("members");
     tcase_add_loop_test(tests, members_are_integrators_in_random_runs, 0,
                         getenv("TVI_MEMBERS") ? SHARES
-                        : is_thorough()       ? SHARES / 8
+                        : is_thorough()       ? SHARES / 16
                                               : 1);
     suite_add_tcase(suite, tests);
     return suite;
