@@ -200,7 +200,7 @@ SLEEF_FILE = $(notdir $(shell readlink $$($(CC) -print-file-name=libsleef.so)))
 $(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_SLEEF='$(if $(HAS_SLEEF),"-DJET_SLEEF"$(comma) "$(or $(SLEEF_FILE:%=-l:%),-lsleef)"$(comma))'
 $(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_FLAGS='$(call quoted,-ffp-contract=off) $(foreach isa,$(ISAS),$(call quoted,$(FLAGS_$(isa))))'
 
-$(addprefix $(BUILD)/,ad/isa.o $(addprefix src/,compiled/load.o galerkin/galerkin.o galerkin/batch.o generating/choose.o run/step.o)): \
+$(addprefix $(BUILD)/,ad/isa.o $(addprefix src/,compiled/load.o galerkin/galerkin.o generating/choose.o)): \
     BASE += $(if $(ISAS),-DJET_ISA_X86)
 
 define isa_objects

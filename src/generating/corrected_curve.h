@@ -8,8 +8,7 @@
  * with the states (q0, p0) and (q1, p1) at the ends of the step, and the states (q-, p-) and (q+, p+) at the curve's
  * ends. The equations of a generating function determine these corrections of the ends from D_z, the gradient of the
  * discrete action in defect form (action.h), and from the Jacobians of the curve's ends by its centre state z. All
- * other parts of a step are the same for all generating functions (curve_stepper.c). This file is part of the text of
- * generated code. */
+ * other parts of a step are the same for all generating functions (curve_stepper.c). */
 #ifndef TVI_SRC_GENERATING_CORRECTED_CURVE_H
 #define TVI_SRC_GENERATING_CORRECTED_CURVE_H
 

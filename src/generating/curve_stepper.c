@@ -3,7 +3,8 @@
  * tvi_stepper_curve and tvi_stepper_taylor. A method's descriptor (method/descriptor.h) says where the curve is
  * expanded and how its ends are corrected. A method without passes has no corrections. If such a method expands its
  * curve at the start, it is the plain Taylor method. */
-#include "generating/curve_step.h"
+#include "generating/curve.h"
+#include "generating/curve_stepper.h"
 #include "method/method.h"
 
 #include <math.h>
@@ -18,6 +19,99 @@ typedef struct {
     double time_unit;
     tvi_stats *stats;
 } step_attempt;
+
+/* ---- The parts of a step ----------------------------------------------------------------------------------------- */
+
+/* Computes z, the state at the centre, as the value of the curve that was expanded at the start of the step. */
+static void step_compute_state_at_centre(const work *w, double z[])
+{
+    const tvi_corrected_curve *corrected = &w->corrected_curve;
+    tvi_curve_sum_combination(&corrected->curve, &w->q_at_centre_weights, z);
+    tvi_curve_sum_combination(&corrected->curve, &w->velocity_at_centre_weights,
+                              z + curve_dimension(&corrected->curve));
+}
+
+/* Computes the natural sizes of the unknowns, by which their corrections are measured. A curve of degree 0 or 1 from a
+ * state of rest has size 0. For these degrees the sizes of the last corrections of the ends are added. The sizes of a
+ * Lagrangian's unknowns stay unchanged, since these corrections have another unit. */
+static void step_compute_unknown_scales(const tvi_corrected_curve *corrected, double scale[])
+{
+    const tvi_curve *curve = &corrected->curve;
+    const int numbers = curve_dimension(curve);
+    tvi_curve_compute_centre_state_sizes(curve, scale);
+    if (curve_highest_order(curve) > 1 || curve_system_form(&corrected->curve) == TVI_LAGRANGIAN) return;
+    for (int i = 0; i < numbers; i++) {
+        const double kappa = fabs(corrected->curve.momentum_scale_factor[i]);
+        scale[i] += fabs(corrected->start_correction_q[i]) + fabs(corrected->increment_correction_q[i]);
+        scale[numbers + i] +=
+            kappa * (fabs(corrected->start_correction_p[i]) + fabs(corrected->increment_correction_p[i]));
+    }
+}
+
+/* Computes the residual r = (q- + start_correction_q - q0, kappa (p- + start_correction_p - p0)) of the corrector, the
+ * difference between the corrected start of the curve and the state (q0, p0). Small differences are added first. */
+static void step_compute_residual(const work *w, const tvi_step_origin *origin, double *restrict r)
+{
+    const tvi_corrected_curve *corrected = &w->corrected_curve;
+    const int n = curve_dimension(&corrected->curve);
+    const double *Q0 = tvi_curve_position_coefficients(&corrected->curve, 0);
+    tvi_curve_sum_combination(&corrected->curve, &w->q_start_minus_centre_weights, r);
+    tvi_curve_sum_combination(&corrected->curve, &corrected->scaled_p_at_start_weights, r + n);
+    for (int i = 0; i < n; i++) {
+        const double kappa = corrected->curve.momentum_scale_factor[i];
+        r[i] += (Q0[i] - origin->q[i]) + (corrected->start_correction_q[i] - origin->q_low[i]);
+        r[n + i] = (r[n + i] - kappa * origin->p[i]) + kappa * (corrected->start_correction_p[i] - origin->p_low[i]);
+    }
+}
+
+/* Computes out, the sum of the combination at the centre state z + dz to first order in dz, with dz the last correction
+ * of the passes, which has not been added to z. */
+static void step_sum_combination_to_first_order_in_dz(const work *w, const tvi_coefficient_combination *combination,
+                                                      double out[])
+{
+    tvi_curve_sum_combination(&w->corrected_curve.curve, combination, out);
+    if (!w->has_symplectic_end_corrections) return;
+    tvi_curve_differentiate_sum_along_set_dz(&w->corrected_curve.curve, combination, w->scratch);
+    for (int i = 0; i < curve_dimension(&w->corrected_curve.curve); i++) out[i] += w->scratch[i];
+}
+
+/* Computes the increments dq = (q+ - q-) + increment_correction_q and dp = (p+ - p-) + increment_correction_p. For
+ * increments to a point within the step (dense output), q_increment_weights and scaled_p_increment_weights end there,
+ * and correction_fraction of the corrections is added. */
+static void step_compute_increments(const work *w, const tvi_coefficient_combination *q_increment_weights,
+                                    const tvi_coefficient_combination *scaled_p_increment_weights,
+                                    double correction_fraction, double dq[], double dp[])
+{
+    const tvi_corrected_curve *corrected = &w->corrected_curve;
+    step_sum_combination_to_first_order_in_dz(w, q_increment_weights, dq);
+    step_sum_combination_to_first_order_in_dz(w, scaled_p_increment_weights, dp);
+    for (int i = 0; i < curve_dimension(&corrected->curve); i++) {
+        dp[i] /= corrected->curve.momentum_scale_factor[i];
+        if (!w->has_symplectic_end_corrections) continue;
+        dq[i] += correction_fraction * corrected->increment_correction_q[i];
+        dp[i] += correction_fraction * corrected->increment_correction_p[i];
+    }
+}
+
+/* Stores the velocity at the end of a Lagrangian's curve, from which the next step searches its initial velocity. */
+static void step_store_end_velocity(const work *w)
+{
+    const tvi_curve *curve = &w->corrected_curve.curve;
+    if (curve_system_form(curve) != TVI_LAGRANGIAN) return;
+    tvi_curve_sum_combination(curve, &w->scaled_end_velocity_weights, w->velocity_guess);
+    for (int i = 0; i < curve_dimension(curve); i++) w->velocity_guess[i] /= curve->time_unit;
+}
+
+/* Computes the increments of the step, and stores a Lagrangian's velocity at the end. Returns the tail. */
+static double step_compute_increments_and_tail(const work *w, double dq[], double dp[])
+{
+    const tvi_curve *curve = &w->corrected_curve.curve;
+    step_compute_increments(w, &w->corrected_curve.q_increment_weights, &w->corrected_curve.scaled_p_increment_weights,
+                            1, dq, dp);
+    step_store_end_velocity(w);
+    tvi_curve_compute_displacement_sizes(curve);
+    return tvi_curve_compute_tail(curve);
+}
 
 /* ---- The predictor ----------------------------------------------------------------------------------------------- */
 

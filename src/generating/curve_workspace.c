@@ -1,7 +1,7 @@
-/* curve_workspace.c - allocates the workspace of a method that expands one Taylor curve, and
- * fills the tables of weights that depend on the method alone (docs/method.md section 3). curve_stepper.c and
- * curve_batch.c call it. */
-#include "generating/curve_step.h"
+/* curve_workspace.c - allocates the workspace of a method that expands one Taylor curve, and fills the tables of
+ * weights that depend on the method alone (docs/method.md section 3). curve_stepper.c calls it. */
+#include "generating/curve.h"
+#include "generating/curve_stepper.h"
 #include "method/method.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* in_library.h - defines the macros by which the headers of curves (series.h and its includers) get the number of
- * members, call one another and choose vector instructions. */
+/* in_library.h - defines the macros by which the headers of curves (series.h and its includers) call one another and
+ * choose vector instructions. */
 #ifndef TVI_SRC_GENERATING_IN_LIBRARY_H
 #define TVI_SRC_GENERATING_IN_LIBRARY_H
 
@@ -20,6 +20,7 @@
 #else
 #define CURVE_COMBINE(tape, ...) (tape)->sweeps->combine(__VA_ARGS__)
 #endif
+
 /* ORDERS_SERIES computes order k of the field's series, and ORDERS_TANGENTS that of its tangents in `lanes` directions.
  * */
 #define ORDERS_SERIES(curve, k) jet_sweep_series((curve)->system->field_series, (curve)->series_block, k, 1)

@@ -1,10 +1,125 @@
 /* matrices.c - solves A^T x = D_z for the corrections of the curve's ends, with D_z the gradient of the discrete action
  * in defect form (action.h) and A made of Jacobian matrices of the ends. It factors them, and reuses the factors as
  * long as the resulting error is below roundoff. corrected_curve.c calls it through tvi_solver_by_matrices. */
+#include "generating/corrected_curve.h"
 #include "generating/curve.h"
-#include "generating/matrices.h"
 
 #include <string.h>
+
+/* ---- The Jacobians, and when they are due ------------------------------------------------------------------------ */
+
+/* The Jacobians of the curve's ends and their factors. jacobian_computations_in_step counts how often Jacobians are
+ * computed, from 0 in each step. A factor is valid if no Jacobians were computed after it. */
+typedef struct {
+    double *z_of_last_jacobians;       /* [2n] the centre state z at which the last Jacobians were computed */
+    int jacobian_computations_in_step; /* how many times Jacobians were computed in this step */
+    int jacobian_computations_when_last_factored; /* jacobian_computations_in_step when the factor was computed */
+    bool has_corrector_jacobian;                  /* whether the corrector's Jacobian was computed in this step */
+    /* the sum of the distances that z has moved since the corrector's Jacobian was computed, relative to the size of
+     * z */
+    double relative_distance_since_jacobian;
+    double *scratch_end_state_jacobian;  /* [n][2n] scratch for Jacobians of the ends */
+    tvi_lu_factor jacobian_block_factor; /* the factored n x n block of the Jacobian, or unused */
+    tvi_lu_factor full_jacobian_factor;  /* the factored whole 2n x 2n Jacobian; a method uses one of the two factors */
+} tvi_jacobian_factors;
+
+static tvi_jacobian_factors *get_factors(const tvi_corrected_curve *corrected) { return corrected->solver_data; }
+
+static void discard_factors(tvi_corrected_curve *corrected)
+{
+    tvi_jacobian_factors *factors = get_factors(corrected);
+    factors->jacobian_computations_in_step = factors->jacobian_computations_when_last_factored = 0;
+    factors->has_corrector_jacobian = false;
+}
+
+/* Records that the Jacobians of the curve were computed at the centre state z. */
+static void record_z_of_jacobians(const tvi_corrected_curve *corrected, const double z[])
+{
+    memcpy(get_factors(corrected)->z_of_last_jacobians, z, 2 * (size_t)corrected->n * sizeof *z);
+    get_factors(corrected)->jacobian_computations_in_step++;
+}
+
+/* Writes the Jacobians of two combinations, one above the other: [2n][2n]. */
+static void stack_combination_jacobians(const tvi_corrected_curve *corrected, const tvi_coefficient_combination *first,
+                                        const tvi_coefficient_combination *second, double matrix[])
+{
+    tvi_curve_sum_combination_jacobian(&corrected->curve, first, matrix);
+    tvi_curve_sum_combination_jacobian(&corrected->curve, second,
+                                       matrix +
+                                           2 * curve_dimension(&corrected->curve) * curve_dimension(&corrected->curve));
+}
+
+/* Computes, for the corrector, the Jacobian matrix [2n][2n] of the end at s- (q-, u-) by the unknowns z. Returns false,
+ * and computes nothing, if it can reuse that of an earlier pass of this step: z has not moved far since. */
+static bool renew_corrector_jacobian(const tvi_corrected_curve *corrected, double corrector_jacobian[])
+{
+    tvi_jacobian_factors *matrices = get_factors(corrected);
+    if (matrices->has_corrector_jacobian && !(matrices->relative_distance_since_jacobian > MATRICES_MAX_MOVEMENT))
+        return false;
+    stack_combination_jacobians(corrected, &corrected->q_at_start_weights, &corrected->scaled_p_at_start_weights,
+                                corrector_jacobian);
+    matrices->relative_distance_since_jacobian = 0;
+    matrices->has_corrector_jacobian = true;
+    return true;
+}
+
+/* Returns how far z is from the point where the Jacobians were computed, relative to the size of z. */
+static double distance_since_jacobians(const tvi_corrected_curve *corrected, const double z[], const double scale[])
+{
+    const double *z_of_last_jacobians = get_factors(corrected)->z_of_last_jacobians;
+    double distance = 0;
+    for (int i = 0; i < 2 * curve_dimension(&corrected->curve); i++)
+        distance = tvi_larger(tvi_ratio_or_zero(fabs(z[i] - z_of_last_jacobians[i]), scale[i]), distance);
+    return distance;
+}
+
+/* Returns the larger one of max_relative_correction and the relative size of component i: (|start_correction| +
+ * |increment_correction| + gradient_factor sum_k |action_gradient_by_coefficients_k|) / component_size. */
+static double larger_relative_correction(const tvi_curve *curve, int i, const double start_correction[],
+                                         const double increment_correction[], double gradient_factor,
+                                         const double action_gradient_by_coefficients[], const double component_size[],
+                                         double max_relative_correction)
+{
+    double size = 0;
+    for (int k = 0; action_gradient_by_coefficients && k <= curve_highest_order(curve); k++)
+        size += fabs(action_gradient_by_coefficients[k * curve_dimension(curve) + i]);
+    const double all = fabs(start_correction[i]) + fabs(increment_correction[i]) + gradient_factor * size;
+    return tvi_larger(tvi_ratio_or_zero(all, component_size[i]), max_relative_correction);
+}
+
+/* Returns a bound of the relative error that old Jacobians cause in the state, divided by the relative distance of z
+ * from the point where they were computed. The relative error of an old Jacobian is about this distance. The error
+ * multiplies the corrections of the ends and the seeds; the seeds may be much larger than the D_z that they add up
+ * to. */
+static double bound_stale_jacobian_error(const tvi_corrected_curve *corrected, const double scale[])
+{
+    const tvi_curve *curve = &corrected->curve;
+    const double *seed_U =
+        curve_system_form(curve) != TVI_SEPARABLE ? corrected->action_gradient_by_coefficients_U : NULL;
+    double error_per_distance = 0;
+    ends_compute_momentum_term_abs_sums(corrected);
+    for (int i = 0; i < curve_dimension(curve); i++) {
+        error_per_distance =
+            larger_relative_correction(curve, i, corrected->start_correction_q, corrected->increment_correction_q,
+                                       fabs(curve->momentum_scale_factor[i]), seed_U, scale, error_per_distance);
+        error_per_distance = larger_relative_correction(
+            curve, i, corrected->start_correction_p, corrected->increment_correction_p, 1,
+            corrected->action_gradient_by_coefficients_Q, corrected->momentum_term_abs_sum, error_per_distance);
+    }
+    return error_per_distance;
+}
+
+/* Tells whether the Jacobians must be computed anew at z. The first pass computes them. Later passes reuse them as long
+ * as the bound of the resulting error, estimated from the corrections of the last pass, is below roundoff. */
+static bool are_jacobians_due(const tvi_corrected_curve *corrected, const double z[], const double scale[])
+{
+    tvi_jacobian_factors *matrices = get_factors(corrected);
+    if (matrices->jacobian_computations_in_step == 0) return true;
+    const double distance = distance_since_jacobians(corrected, z, scale);
+    if (distance * bound_stale_jacobian_error(corrected, scale) <= CURVE_NEGLIGIBLE_ERROR) return false;
+    matrices->relative_distance_since_jacobian += distance;
+    return true;
+}
 
 static void allocate_jacobian_factors(tvi_corrected_curve *corrected, tvi_arena *arena)
 {
@@ -24,7 +139,7 @@ static tvi_status factor_jacobian_block(tvi_corrected_curve *corrected, const tv
 {
     const size_t n = (size_t)corrected->n,
                  first = equations->jacobian_half_used_as_equation_matrix == TVI_FIRST_COLUMNS ? 0 : n;
-    tvi_jacobian_factors *factors = matrices_get_factors(corrected);
+    tvi_jacobian_factors *factors = get_factors(corrected);
     tvi_curve_sum_combination_jacobian(&corrected->curve, equations->upper_jacobian_combination,
                                        factors->scratch_end_state_jacobian);
     for (size_t i = 0; i < n; i++)
@@ -35,9 +150,9 @@ static tvi_status factor_jacobian_block(tvi_corrected_curve *corrected, const tv
 
 static tvi_status factor_full_matrix(tvi_corrected_curve *corrected, const tvi_end_correction_equations *equations)
 {
-    tvi_jacobian_factors *factors = matrices_get_factors(corrected);
-    matrices_stack_combination_jacobians(corrected, equations->upper_jacobian_combination,
-                                         equations->lower_jacobian_combination, factors->full_jacobian_factor.lu);
+    tvi_jacobian_factors *factors = get_factors(corrected);
+    stack_combination_jacobians(corrected, equations->upper_jacobian_combination, equations->lower_jacobian_combination,
+                                factors->full_jacobian_factor.lu);
     return tvi_factor_compute(&factors->full_jacobian_factor);
 }
 
@@ -49,7 +164,7 @@ static void compute_residual_in_unsolved_gradient_half(tvi_corrected_curve *corr
     const size_t n = (size_t)corrected->n,
                  solved = equations->jacobian_half_used_as_equation_matrix == TVI_FIRST_COLUMNS ? 0 : n,
                  other = n - solved;
-    double *G = matrices_get_factors(corrected)->scratch_end_state_jacobian;
+    double *G = get_factors(corrected)->scratch_end_state_jacobian;
     tvi_curve_sum_combination_jacobian(&corrected->curve, equations->upper_jacobian_combination, G);
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++)
@@ -59,7 +174,7 @@ static void compute_residual_in_unsolved_gradient_half(tvi_corrected_curve *corr
 
 static tvi_status solve_by_factors(tvi_corrected_curve *corrected, const tvi_end_correction_equations *equations)
 {
-    tvi_jacobian_factors *factors = matrices_get_factors(corrected);
+    tvi_jacobian_factors *factors = get_factors(corrected);
     tvi_curve_multiply_transposed_jacobians_by_seeds(&corrected->curve, corrected->action_gradient_by_coefficients_Q,
                                                      corrected->action_gradient_by_coefficients_U,
                                                      corrected->gradient_then_solution);
@@ -81,26 +196,18 @@ static tvi_status solve_by_factors(tvi_corrected_curve *corrected, const tvi_end
     return TVI_OK;
 }
 
-/* Computes the corrector's Jacobian anew if the stored one is outdated. Returns true if it did, and false if the
- * corrector may reuse the stored one. */
-static bool renew_jacobian_if_outdated(const tvi_corrected_curve *corrected, double jacobian[])
-{
-    return matrices_renew_corrector_jacobian(corrected, jacobian);
-}
-
 /* ---- The corrections --------------------------------------------------------------------------------------------- */
 
 static tvi_status compute_corrections(tvi_corrected_curve *corrected, const double z[], const double scale[],
                                       tvi_stats *stats)
 {
-    if (matrices_are_jacobians_due(corrected, z, scale)) {
+    if (are_jacobians_due(corrected, z, scale)) {
         tvi_curve_compute_jacobians(&corrected->curve);
-        matrices_record_z_of_jacobians(corrected, z);
+        record_z_of_jacobians(corrected, z);
         stats->factorisations++;
     }
     return corrected->solve_end_corrections(corrected);
 }
 
-const tvi_end_correction_solver tvi_solver_by_matrices = {allocate_jacobian_factors,  matrices_discard_factors,
-                                                          compute_corrections,        solve_by_factors,
-                                                          renew_jacobian_if_outdated, NULL};
+const tvi_end_correction_solver tvi_solver_by_matrices = {
+    allocate_jacobian_factors, discard_factors, compute_corrections, solve_by_factors, renew_corrector_jacobian, NULL};

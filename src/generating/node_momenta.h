@@ -6,8 +6,7 @@
 #include "algebra/passes.h"
 #include "generating/nodes.h"
 
-/* Estimates the roundoff of the momenta's corrections at the nodes from the roundoff of the last H_p (action.c).
- * Generated code does not call this function: if an iteration is stuck, the library repeats it. */
+/* Estimates the roundoff of the momenta's corrections at the nodes from the roundoff of the last H_p (action.c). */
 double tvi_estimate_node_momenta_roundoff(tvi_action *action, tvi_curve *curve);
 
 enum { MOMENTA_MOST_NODES = 2 * SEEDS_HALF };

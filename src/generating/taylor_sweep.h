@@ -7,8 +7,7 @@
 
 #include <math.h>
 
-/* The layout of the rows x_k, k = least .. degree, of component_count numbers, which are order_stride apart. They
- * belong to one curve, or to several curves whose components are independent lanes. */
+/* The layout of the rows x_k, k = least .. degree, of component_count numbers, which are order_stride apart. */
 typedef struct {
     int component_count, least, degree;
     size_t order_stride;
