@@ -80,6 +80,18 @@ enum { JET_NATIVE = 2 };
 #endif
 typedef double jet_native_vector JET_REGISTER(double, JET_NATIVE);
 
+/* Tells whether SLEEF serves the rounding mode of the thread. Its functions for SSE2, which has no instruction that
+ * rounds to an integer, add and subtract a large number for that, and have errors of 1e-9 if this is not to nearest.
+ * Bits 13 and 14 of the control register MXCSR are the mode, 0 to nearest. */
+JET_INLINE bool jet_sleef_serves_rounding_mode(void)
+{
+#if defined(__x86_64__) && !defined(__AVX2__)
+    return (__builtin_ia32_stmxcsr() & 0x6000) == 0;
+#else
+    return true;
+#endif
+}
+
 /* The types of a function of one vector, and of one number. The exponent is for pow, and other functions ignore it. */
 typedef jet_native_vector jet_vector_function(double exponent, jet_native_vector x);
 typedef double jet_scalar_function(double exponent, double x);
@@ -94,7 +106,7 @@ JET_INLINE bool jet_are_all_in_range(jet_argument_magnitude_range range, int cou
     int outside = 0;
     JET_IN_VECTORS
     for (int i = 0; i < count; i++) outside |= !jet_is_in_range(range, argument[i]);
-    return !outside;
+    return !outside && jet_sleef_serves_rounding_mode();
 }
 
 JET_INLINE void jet_apply_to_one_native_vector(jet_vector_function *vector_function, double exponent,
@@ -133,10 +145,11 @@ JET_INLINE void jet_apply_vector_in_ranges_else_scalar(jet_vector_function *vect
                                                        jet_argument_magnitude_range far_from_zero, double exponent,
                                                        int count, const double *argument, double *result)
 {
+    const bool is_served = jet_sleef_serves_rounding_mode();
     for (int i = 0; i < count; i++)
-        if (!jet_is_in_range(near_zero, argument[i]) && !jet_is_in_range(far_from_zero, argument[i]))
+        if (!is_served || (!jet_is_in_range(near_zero, argument[i]) && !jet_is_in_range(far_from_zero, argument[i])))
             result[i] = scalar_function(exponent, argument[i]);
-    for (int here = 0; here < count; here += JET_NATIVE) {
+    for (int here = 0; is_served && here < count; here += JET_NATIVE) {
         jet_apply_to_vector_where_in_range(vector_function, exponent, near_zero, count - here, argument + here,
                                            result + here);
         jet_apply_to_vector_where_in_range(vector_function, exponent, far_from_zero, count - here, argument + here,

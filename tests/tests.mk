@@ -102,10 +102,11 @@ $(FOLDERS:%=do-%): do-%: $(BUILD)/check/%
 # The suites that depend on vectors and rounding, with narrower instruction sets than the one that make check takes.
 check-isas: ; $(REPORT) "the instruction sets $(NARROWER)" $(DO)
 NARROWER := base $(filter avx2,$(ISAS))
-do-isas: $(addprefix $(BUILD)/check/,ad library events generating ensemble)
+do-isas: $(addprefix $(BUILD)/check/,ad library events generating ensemble invariance)
 	for set in $(NARROWER); do export TVI_ISA=$$set; \
 	    tests/suites.sh 'identity,series,tangent,adjoint,elementary' $(BUILD)/check/ad && \
 	    tests/suites.sh 'closed forms,structure,stepping,products,linear' $(BUILD)/check/library && \
+	    tests/suites.sh rounding $(BUILD)/check/invariance && \
 	    tests/suites.sh '' $(BUILD)/check/events && \
 	    tests/suites.sh 'bits/bits,members' $(BUILD)/check/ensemble && \
 	    tests/suites.sh 'forms,orders,points,convergence,dense,galerkin,references' $(BUILD)/check/generating || \
