@@ -120,6 +120,9 @@
 
 #define NEWTON_MAX_PASSES    64 /* [passes] Newton's method fails after this many passes. */
 #define NEWTON_MAX_REFRESHES 3  /* [Jacobians] The most that a step renews, after passes that did not contract. */
+/* [1] The scales of unknowns are computed again after a correction larger than this part of one. A smaller correction
+ * leaves at least half of each size. */
+#define NEWTON_SAME_SCALE_MAX_CORRECTION 0.5
 /* [1] An unknown smaller than this part of the largest of its group is measured as if it had this size. */
 #define NEWTON_MIN_SCALE 1e-20
 /* [1] Corrections that no longer shrink are roundoff if they are at most this part of the largest unknowns, or of the

@@ -265,16 +265,25 @@ static bool is_correction_roundoff(tvi_newton *newton, const tvi_equations *equa
     return true;
 }
 
+/* Computes the scales of the unknowns: their natural sizes at the prediction. If a correction has moved an unknown by
+ * about its scale (NEWTON_SAME_SCALE_MAX_CORRECTION), the prediction said nothing of it, and its size at the new point
+ * is its scale, if that is smaller. A larger size is not: where the series diverge, their terms have any size, and each
+ * correction would be small beside it. */
+static void compute_scales(tvi_newton *newton, const tvi_equations *equations, bool is_first)
+{
+    double *sizes = is_first ? newton->scale : newton->trial_unknowns;
+    equations->scale(equations->self, sizes);
+    for (int i = 0; i < newton->unknown_count; i++) newton->scale[i] = tvi_smaller(sizes[i], newton->scale[i]);
+    newton_raise_scales_of_small_unknowns(newton);
+}
+
 /* Makes one pass: correction = -K^-1 r(x). */
-static tvi_status run_newton_pass(tvi_newton *newton, const tvi_equations *equations, bool is_first,
+static tvi_status run_newton_pass(tvi_newton *newton, const tvi_equations *equations, int count, bool needs_scales,
                                   bool by_differences, tvi_stats *stats)
 {
     tvi_status status = equations->residual(equations->self, newton->x, newton->correction);
     if (status != TVI_OK) return status;
-    if (is_first) {
-        equations->scale(equations->self, newton->scale);
-        newton_raise_scales_of_small_unknowns(newton);
-    }
+    if (needs_scales) compute_scales(newton, equations, count == 1);
     for (int i = 0; i < newton->unknown_count; i++) newton->correction[i] = -newton->correction[i];
     if (by_differences || (!newton->is_jacobian_by_differences && equations->jacobian)) {
         status = factor_jacobian(newton, equations, by_differences, stats);
@@ -298,12 +307,12 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
     tvi_newton_begin_passes(&record, *newton->max_contraction_ratio_growth, &newton->rules,
                             newton->confirms_convergence_by_extra_pass);
     int refreshes = 0;
-    bool by_differences = false;
+    bool by_differences = false, needs_scales = true;
     for (int count = 1; count <= rules->per_unknown_correction_rule.max_passes; count++) {
         refreshes += by_differences;
         newton->is_jacobian_by_differences = newton->is_jacobian_allocated && refreshes > 0;
-        const tvi_status status =
-            run_newton_pass(newton, equations, count == 1, newton->is_jacobian_allocated && by_differences, stats);
+        const tvi_status status = run_newton_pass(newton, equations, count, needs_scales,
+                                                  newton->is_jacobian_allocated && by_differences, stats);
         if (status != TVI_OK) return status;
         const tvi_correction_sizes sizes = newton_measure_corrections(newton, newton->scale);
         stats->residual = sizes.largest_relative_correction;
@@ -316,6 +325,7 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
             return TVI_OK;
         }
         for (int i = 0; i < newton->unknown_count; i++) newton->x[i] += newton->correction[i];
+        needs_scales = sizes.largest_relative_correction > NEWTON_SAME_SCALE_MAX_CORRECTION;
         by_differences = verdict == TVI_PASSES_STUCK;
         if (by_differences && refreshes == NEWTON_MAX_REFRESHES) return TVI_ENOCONV;
     }

@@ -14,7 +14,7 @@ typedef struct {
     /* Computes the residual r(x); x and r have as many numbers as there are unknowns. */
     tvi_status (*residual)(void *self, const double x[], double r[]);
     /* Computes the natural size of each unknown. A correction below the roundoff of this size counts as 0. The function
-     * is called once, after the residual of the predictor. */
+     * is called after the first residual, and where corrections have moved an unknown by about its size. */
     void (*scale)(void *self, double scale[]);
     /* Computes an approximate dr/dx at the x of the last residual; NULL: the Jacobian is the identity, or `solve` is
      * used. The function returns false, and leaves `matrix` alone, if the matrix of the last call can be reused. */

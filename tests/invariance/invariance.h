@@ -12,5 +12,6 @@ Suite *suite_light(void);
 Suite *suite_probe(void);
 Suite *suite_sizes(void);
 Suite *suite_rounding(void);
+Suite *suite_unguarded(void);
 
 #endif
