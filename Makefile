@@ -91,13 +91,14 @@ ISAS         := $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),avx2 avx51
 FLAGS_avx2   := -mavx2 -mfma -ffp-contract=fast
 FLAGS_avx512 := $(FLAGS_avx2) -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512
 ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c ad/sum*.c)
-SRC_LANES    := $(addprefix src/,galerkin/loops.c generating/curve_isa.c generating/products.c)
+SRC_LANES    := $(addprefix src/,generating/curve_isa.c generating/products.c)
+# steppers, whose tables alone are made once: their names in all sets but the base have the suffix of the set
+SET_SOURCES  := $(filter-out src/galerkin/tables.c src/galerkin/method.c,$(wildcard src/galerkin/*.c))
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) $(BUILD)/ad/embedded_rules.o \
-                $(foreach isa,$(ISAS),$(ISA_SOURCES:%.c=$(BUILD)/%.$(isa).o))
-GALERKIN_FORMS := galerkin_plain galerkin_lagrangian galerkin_hamiltonian
-EMBEDDED_SRC := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin $(GALERKIN_FORMS))
+                $(ISAS:%=$(BUILD)/ad/sweeps_%.o)
+EMBEDDED_SRC := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin)
 SRC_OBJECTS  := $(EMBEDDED_SRC) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
-                $(foreach isa,$(ISAS),$(SRC_LANES:%.c=$(BUILD)/%.$(isa).o))
+                $(foreach isa,$(ISAS),$(SRC_LANES:%.c=$(BUILD)/%.$(isa).o) $(BUILD)/src/steppers_$(isa).o)
 EMBEDDED    := $(BUILD)/ad/embedded_rules.o $(EMBEDDED_SRC)
 OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas $(HAS_SLEEF)) -lm -pthread
@@ -176,19 +177,10 @@ $(BUILD)/ad/embedded_rules.c: ad/embed.awk $(EMBEDDED_RULES)
 $(BUILD)/src/embedded_code.c: ad/embed.awk src/compiled/code.h
 	@mkdir -p $(@D)
 	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_code -f ad/embed.awk src/compiled/code.h >$@
-# the steps of the Galerkin curve, for one system, and what they are made with by its form
-EMBEDDED_GALERKIN := include/tvi.h src/algebra/sizes.h src/method/origin.h $(addprefix src/algebra/,passes.h subsystems.h tail.h) \
-                     $(addprefix src/galerkin/,in_generated.h loops.h lanes.h kernel.h \
-                         blocks.h lagrangian_passes.h hamiltonian_passes.h steps.h generated.h)
-# texts that others read
-EMBEDDED_TEXTS := $(addprefix src/galerkin/,kernel_nodes.h kernel_ends.h kernel_inner.h kernel_matrices.h kernel_loops.h)
-$(BUILD)/src/embedded_galerkin.c: ad/embed.awk $(EMBEDDED_GALERKIN) $(EMBEDDED_TEXTS)
+# the steps of the Galerkin curve, for one system: generated.h, and what it includes
+$(BUILD)/src/embedded_galerkin.c: ad/embed.awk $(wildcard src/*/*.h) include/tvi.h
 	@mkdir -p $(@D)
-	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_galerkin -f ad/embed.awk $(EMBEDDED_GALERKIN) >$@
-HESSIAN_FORM := src/galerkin/generated_hessian.h
-$(GALERKIN_FORMS:%=$(BUILD)/src/embedded_%.c): $(BUILD)/src/embedded_galerkin_%.c: ad/embed.awk src/galerkin/generated_%.h $(HESSIAN_FORM)
-	@mkdir -p $(@D)
-	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_galerkin_$* -f ad/embed.awk $(if $(filter plain,$*),,$(HESSIAN_FORM)) src/galerkin/generated_$*.h >$@
+	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_galerkin -v INCLUDES='include src' -f ad/embed.awk src/galerkin/generated.h >$@
 $(EMBEDDED): %.o: %.c
 	$(call SAY,CC $<)$(CC) $(BASE) $(CFLAGS) -c -o $@ $<
 # and is compiled as the library is: sums of one lane, which are not to be made vectors of once more, apart
@@ -200,15 +192,24 @@ SLEEF_FILE = $(notdir $(shell readlink $$($(CC) -print-file-name=libsleef.so)))
 $(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_SLEEF='$(if $(HAS_SLEEF),"-DJET_SLEEF"$(comma) "$(or $(SLEEF_FILE:%=-l:%),-lsleef)"$(comma))'
 $(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_FLAGS='$(call quoted,-ffp-contract=off) $(foreach isa,$(ISAS),$(call quoted,$(FLAGS_$(isa))))'
 
-$(addprefix $(BUILD)/,ad/isa.o $(addprefix src/,compiled/load.o galerkin/galerkin.o generating/choose.o)): \
+$(addprefix $(BUILD)/,ad/isa.o $(addprefix src/,compiled/load.o method/method.o generating/choose.o)): \
     BASE += $(if $(ISAS),-DJET_ISA_X86)
 
 define isa_objects
 $(BUILD)/%.$(1).o: %.c
 	@mkdir -p $$(@D)
-	$$(call SAY,CC $$< ($(1)))$$(CC) $$(BASE) -Iad -Isrc $$(FLAGS_$(1)) -DJET_ISA=$(1) $$(CFLAGS) -MMD -MP -c -o $$@ $$<
+	$$(call SAY,CC $$< ($(1)))$$(CC) $$(BASE) -Iad -Isrc $$(FLAGS_$(1)) -DJET_ISA=$(1) -DJET_SET=jet_isa_$(1) $$(CFLAGS) -MMD -MP -c -o $$@ $$<
 endef
 $(foreach isa,$(ISAS),$(eval $(call isa_objects,$(isa))))
+OBJCOPY ?= objcopy
+# all sources of one set as one object, whose names have the suffix of the set
+define set_object
+$(BUILD)/$(1)_$(2).o: $(3:%.c=$(BUILD)/%.$(2).o)
+	$$(call SAY,LD $$@)$(LD) -r -o $$@.joined $$(filter %.o,$$^) && \
+	nm --defined-only -g $$@.joined | awk '{ print $$$$3, $$$$3 "_$(2)" }' >$$@.names && \
+	$(OBJCOPY) --redefine-syms=$$@.names $$@.joined $$@
+endef
+$(foreach isa,$(ISAS),$(eval $(call set_object,ad/sweeps,$(isa),$(ISA_SOURCES)))$(eval $(call set_object,src/steppers,$(isa),$(SET_SOURCES))))
 
 $(BUILD)/src/%.o: src/%.c
 	@mkdir -p $(@D)

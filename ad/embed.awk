@@ -1,8 +1,9 @@
-# embed.awk NAME=name FILE...: the text of C files as a C array of lines, for code that is generated from a tape
-# (emit.h). The text is what the library itself is compiled from, so that each algorithm stands in one place. For that:
+# embed.awk NAME=name [INCLUDES='dir dir'] FILE...: the text of C files as a C array of lines, for code that is generated
+# from a tape (emit.h). The text is what the library itself is compiled from, so that each algorithm stands in one place.
+# For that:
 #
-#   * Files come in the order in which they need each other. Includes of the library's own files are left out, but for
-#     texts that are read once for each of several kinds of numbers, which have no guard: these are put in their place.
+#   * A file that is included from the directories INCLUDES takes the place of its first include. Other includes of the
+#     library's own files are left out: files come in the order in which they need each other.
 #   * JET_EMITTED is defined in generated code, and nowhere else.
 #   * A function's head begins in the first column and its body with a line that is a brace alone. It becomes
 #     JET_INLINE: it begins with static and a type of small letters, or is one of jet_ and tvi_ that gives void, bool,
@@ -44,15 +45,18 @@ BEGIN {
     print "extern const char *const " NAME "[];"
     print "const char *const " NAME "[] = {"
 }
-# whether no guard keeps it from being read again
-function is_text(path,    line, guarded) {
-    while ((getline line < path) > 0) if (line ~ /^#ifndef [A-Z_]+_H$/) guarded = 1
-    close(path)
-    return !guarded
-}
-function put_file(path,    line) {
-    while ((getline line < path) > 0) put_line(line)
-    close(path)
+# the file of this path in the directories INCLUDES, if it is there and was not put before
+function put_included(path,    i, count, dir, file, line) {
+    count = split(INCLUDES, dir, " ")
+    for (i = 1; i <= count; i++) {
+        file = dir[i] "/" path
+        if (file in is_put) return
+        if ((getline line < file) <= 0) continue
+        is_put[file] = 1
+        do put_line(line); while ((getline line < file) > 0)
+        close(file)
+        return
+    }
 }
 FNR == 1 {
     close_file()
@@ -60,15 +64,14 @@ FNR == 1 {
     in_comment = 0
 }
 { put_line($0) }
-function put_line(whole,    line, path, word) {
+function put_line(whole,    line, word) {
     line = without_comments(whole)
     gsub(/[ \t]+/, " ", line)
     sub(/^ /, "", line)
     sub(/ $/, "", line)
     if (line ~ /^# ?include "/) {
-        path = line
-        gsub(/^[^"]*"|"$/, "", path)
-        if (FILENAME ~ /^src\// && path ~ /\// && is_text("src/" path)) put_file("src/" path)
+        gsub(/^[^"]*"|"$/, "", line)
+        put_included(line)
         return
     }
     if (line == "" || line ~ /^# ?pragma GCC (system_header|visibility)/) return

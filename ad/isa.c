@@ -6,10 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-extern const jet_sweeps jet_sweeps_base;
+/* The interpreter of each set: sweep.c, whose name the build gives the suffix of the set. */
+extern const jet_sweeps jet_interpreter;
 
 #ifdef JET_ISA_X86
-extern const jet_sweeps jet_sweeps_avx2, jet_sweeps_avx512;
+extern const jet_sweeps jet_interpreter_avx2, jet_interpreter_avx512;
 
 static bool has_avx2(void) { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
 
@@ -22,10 +23,10 @@ static bool has_avx512(void)
 const jet_sweeps *jet_choose_sweeps_for_processor(void)
 {
     const char *wish = getenv("TVI_ISA");
-    if (wish && strcmp(wish, "base") == 0) return &jet_sweeps_base;
-    if (has_avx512() && !(wish && strcmp(wish, "avx2") == 0)) return &jet_sweeps_avx512;
-    return has_avx2() ? &jet_sweeps_avx2 : &jet_sweeps_base;
+    if (wish && strcmp(wish, "base") == 0) return &jet_interpreter;
+    if (has_avx512() && !(wish && strcmp(wish, "avx2") == 0)) return &jet_interpreter_avx512;
+    return has_avx2() ? &jet_interpreter_avx2 : &jet_interpreter;
 }
 #else
-const jet_sweeps *jet_choose_sweeps_for_processor(void) { return &jet_sweeps_base; }
+const jet_sweeps *jet_choose_sweeps_for_processor(void) { return &jet_interpreter; }
 #endif

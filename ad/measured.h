@@ -42,7 +42,7 @@
 /* [1] Rows have different units if their scales differ by this factor; solutions are refined then. */
 #define LINEAR_UNIT_RATIO 8
 /* [1] Rows would have to be exchanged if a pivot is smaller, or larger, by this factor than the number on the diagonal
- * before the elimination (galerkin/kernel_matrices.h). */
+ * before the elimination (galerkin/lagrangian_pass.h). */
 #define LINEAR_MIN_PIVOT_OF_INVERSE (1.0 / 16)
 
 /* ---- The end of the passes of every iteration: suite convergence of build/check/generating ----------------------- */

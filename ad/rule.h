@@ -68,12 +68,11 @@ typedef struct {
 #define JET_PASTE_NOW(name, isa) name##_##isa
 #define JET_PASTE(name, isa)     JET_PASTE_NOW(name, isa)
 #define JET_FOR_ISA(name)        JET_PASTE(name, JET_ISA)
-#define JET_RULE_OF(name)        JET_FOR_ISA(jet_rule_##name)
+#define JET_RULE_OF(name)        jet_rule_##name
 
 /* The table of rules, indexed by jet_op. It has NULL for INPUT, CONST, PARAMETER and LINEAR, which need no
  * recurrence. MUL and SQR have no sweeps, since they become sums of products on a tape (sums.h); MUL has a value
  * rule, which folds numbers, and both have pullbacks. */
-#define jet_rules JET_FOR_ISA(jet_rules)
 extern const jet_rule *const jet_rules[OP_COUNT];
 
 /* Lists all rules in the order of jet_op, with the operation and the name of the rule. */

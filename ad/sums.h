@@ -7,14 +7,6 @@
 #include "rule.h"
 #include "tape.h"
 
-#define jet_compute_linear_values          JET_FOR_ISA(jet_compute_linear_values)
-#define jet_compute_sums_without_constants JET_FOR_ISA(jet_compute_sums_without_constants)
-#define jet_add_linear_adjoints            JET_FOR_ISA(jet_add_linear_adjoints)
-#define jet_compute_product_values         JET_FOR_ISA(jet_compute_product_values)
-#define jet_compute_product_series_order   JET_FOR_ISA(jet_compute_product_series_order)
-#define jet_compute_product_tangents       JET_FOR_ISA(jet_compute_product_tangents)
-#define jet_add_product_adjoints           JET_FOR_ISA(jet_add_product_adjoints)
-
 /* Compute the LINEAR operations of a run; `block` is that part of a block that holds one order.
  * jet_compute_linear_values is for order 0, and adds the constant terms. jet_compute_sums_without_constants is for
  * order k >= 1 of a series, and for every order of a tangent. jet_add_linear_adjoints is for every order of the

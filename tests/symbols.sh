@@ -36,5 +36,18 @@ refers=$(nm -u "$static" 2>/dev/null | awk '/:$/ { member = $1 } NF == 2 { print
 readers=$(nm -A "$static" 2>/dev/null | awk '$NF == "getenv" { print $1 }' | grep -vE ':(isa|files)\.o:')
 [ -z "$readers" ] || complain "reads the environment: $readers" # but for TVI_ISA and compilers
 
+# what a debugger names stands in the sources: no macro makes the name of a function, but for the rules of operations
+# and the sums of ad/, whose loops are made for each kind of series. Names have the suffix of the instruction set, and
+# those of the compiler's own copies others.
+words=$(mktemp)
+cat ad/*.[ch] src/*/*.[ch] | grep -oE '[A-Za-z_][A-Za-z_0-9]*' | sort -u >"$words"
+unknown=$(nm -A "$static" 2>/dev/null | sed 's/.*:\([a-z_0-9]*\.o\):[0-9a-f]*/\1/' |
+    awk '$2 ~ /^[Tt]$/ && $1 !~ /^(rule_|sum_|sweeps_)/ { sub(/\..*/, "", $3); sub(/_avx(2|512)$/, "", $3); print $3 }' | sort -u | comm -23 - "$words")
+rm -f "$words"
+[ -z "$unknown" ] || complain "functions that no source names: $unknown"
+# tables have the same bits with every instruction set
+twice=$(nm "$static" 2>/dev/null | awk '$3 ~ /^(tvi_galerkin_compute_tables|tvi_quadrature_compute_nodes)_avx/ { print $3 }')
+[ -z "$twice" ] || complain "tables are compiled for each instruction set: $twice"
+
 echo "$exported" | wc -l | awk '{ print $1, "exported symbols" }'
 exit $failed

@@ -70,6 +70,11 @@ define program
 $(BUILD)/check/$(1) $(BUILD)/check/$(1)-generated: $(call objects_of,$(wildcard tests/$(1)/*.c)) $(call library_of,$(1))
 endef
 $(foreach folder,$(FOLDERS),$(eval $(call program,$(folder))))
+# the loops of every instruction set (tests/library/loops.h)
+$(ISAS:%=$(BUILD)/tests/library/loops_%.o): $(BUILD)/tests/library/loops_%.o: tests/library/loops.c
+	@mkdir -p $(@D)
+	$(call SAY,CC $< ($*))$(CC) $(TEST_FLAGS) $(BASE) $(FLAGS_$*) -c -o $@ $< && $(OBJCOPY) --redefine-sym loops=loops_$* $@
+$(BUILD)/check/library: $(ISAS:%=$(BUILD)/tests/library/loops_%.o)
 $(BUILD)/check/library: WRAP = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
 # their integrators run generated code: tests/problems/generated.c
 GENERATED := $(patsubst %,$(BUILD)/check/%-generated,generating rescaled fuzz)

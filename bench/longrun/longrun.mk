@@ -12,9 +12,8 @@ longrun: need-bench
 	$(if $(SCENE),,gnuplot -c bench/longrun/longrun.gp $(LONGRUN) bench/experiments &&) exit $$status
 .PHONY: longrun
 
-# with the rule of sooner.h in the place of the library's
-$(LONGRUN)/galerkin.o: src/galerkin/galerkin.c bench/longrun/sooner.h $(BUILD)/libtvi.a
-	@mkdir -p $(@D)
-	$(call SAY,CC $@)$(CC) $(BASE) -Iad -Isrc -Ibench/longrun -include sooner.h $(if $(ISAS),-DJET_ISA_X86) $(CFLAGS) -c -o $@ $<
-$(LONGRUN)/longrun: $(LONGRUN)/galerkin.o $(LONGRUN_OBJECTS) $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
+# a library with the rule of sooner.h in the place of its own
+$(LONGRUN)/sooner/libtvi.a: bench/longrun/sooner.h $(BUILD)/libtvi.a
+	@$(MAKE) --no-print-directory BUILD=$(LONGRUN)/sooner CFLAGS='$(CFLAGS) -Ibench/longrun -include sooner.h' $@
+$(LONGRUN)/longrun: $(LONGRUN_OBJECTS) $(SWEEP_OBJECTS) $(LONGRUN)/sooner/libtvi.a
 	$(call SAY,LD $@)$(CC) $(CFLAGS) -pthread -o $@ $^ $(BASELINE_LIBS) $(LIBS)

@@ -58,8 +58,6 @@ static const char *why_name_refused(const char *name)
 /* ---- The text ---------------------------------------------------------------------------------------------------- */
 
 extern const char *const tvi_embedded_code[], *const tvi_embedded_galerkin[];
-extern const char *const tvi_embedded_galerkin_plain[], *const tvi_embedded_galerkin_lagrangian[];
-extern const char *const tvi_embedded_galerkin_hamiltonian[];
 
 static uint64_t hash_lines(uint64_t hash, const char *const lines[])
 {
@@ -69,12 +67,7 @@ static uint64_t hash_lines(uint64_t hash, const char *const lines[])
 
 uint64_t tvi_compiled_hash_library_text(void)
 {
-    const char *const *const texts[] = {jet_embedded_rule_c_source_lines(),
-                                        tvi_embedded_code,
-                                        tvi_embedded_galerkin,
-                                        tvi_embedded_galerkin_plain,
-                                        tvi_embedded_galerkin_lagrangian,
-                                        tvi_embedded_galerkin_hamiltonian};
+    const char *const *const texts[] = {jet_embedded_rule_c_source_lines(), tvi_embedded_code, tvi_embedded_galerkin};
     uint64_t hash = JET_HASH_OF_NOTHING;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) hash = hash_lines(hash, texts[i]);
     return hash;
@@ -102,7 +95,8 @@ static void emit_code_table_initialiser(jet_text *text, const jet_emission_reque
 static void write_source_text(jet_text *text, const tvi_system *stepped_system, const tvi_options *resolved_options,
                               const char *function_name)
 {
-    const tvi_tapes_of_steps uses = tvi_choose_stepper(resolved_options)->list_tapes(stepped_system, resolved_options);
+    const tvi_tapes_of_steps uses =
+        tvi_choose_stepper(resolved_options, stepped_system)->list_tapes(stepped_system, resolved_options);
     const jet_emission_request *const requests[TVI_CODE_TAPES] = {&uses.series_tape_emission, &uses.value_tape_emission,
                                                                   &uses.r_dot_Hp_tape_emission,
                                                                   &uses.hessian_tape_emission};

@@ -1,58 +1,81 @@
-/* emit.c - Writes the Galerkin steps of one system into generated code: the sizes of the system as constants, the
- * kernels of kernel.h for these sizes, and the steps of steps.h. The passes of these steps depend on the form of the
- * field (field.h). The stepper (galerkin.c) calls tvi_galerkin_emit_steps. */
-#include "galerkin/field.h"
+/* emit.c - Writes the Galerkin steps of one system into generated code: sizes, lists and the rule of its passes as
+ * constants, and then the text of steps.h and generated.h. */
+#include "galerkin/galerkin.h"
 
 extern const char *const tvi_embedded_galerkin[];
 
-void tvi_galerkin_emit_int_array(jet_text *text, const char *name, int count, const int value[])
+static void emit_list(jet_text *text, const char *name, int count, const int value[])
 {
     jet_text_append(text, "static const int galerkin_%s[] = {", name);
     for (int i = 0; i < count; i++) jet_text_append(text, "%d, ", value[i]);
     jet_text_append(text, "0};\n");
 }
 
-#define FIELD(name) #name, rule->name
-
-static void emit_passes_rule(jet_text *text, const tvi_stopping_rule *rule)
+static void emit_rule(jet_text *text, const tvi_stopping_rule *rule)
 {
-    const struct {
-        const char *name;
-        double value; /* the value of the field `name` of the rule, converted to double */
-    } field[] = {{FIELD(max_passes)},
-                 {FIELD(exact_passes)},
-                 {FIELD(correction_goal)},
-                 {FIELD(roundoff_level)},
-                 {FIELD(max_trusted_contraction_ratio)},
-                 {FIELD(stall_contraction_ratio)},
-                 {FIELD(stall_comparison_lag)},
-                 {FIELD(is_convergence_quadratic)}};
-    jet_text_append(text, "static const tvi_stopping_rule galerkin_rule = {");
-    for (size_t i = 0; i < sizeof field / sizeof *field; i++)
-        jet_text_append(text, ".%s = %a, ", field[i].name, field[i].value);
-    jet_text_append(text, "};\n");
+    jet_text_append(
+        text,
+        "#define GALERKIN_RULE {.max_passes = %d, .exact_passes = %d, .correction_goal = %a, .roundoff_level "
+        "= %a, .max_trusted_contraction_ratio = %a, .stall_contraction_ratio = %a, .stall_comparison_lag = "
+        "%d, .is_convergence_quadratic = %d}\n",
+        rule->max_passes, rule->exact_passes, rule->correction_goal, rule->roundoff_level,
+        rule->max_trusted_contraction_ratio, rule->stall_contraction_ratio, rule->stall_comparison_lag,
+        rule->is_convergence_quadratic);
 }
 
-static void emit_text_lines(jet_text *text, const char *const *line)
+/* The sizes that the form of the equations adds, and the functions of the tapes. */
+static void emit_hessian(jet_text *text, const galerkin_stepper *stepper)
 {
-    for (; *line; line++) jet_text_append(text, "%s", *line);
-}
-
-void tvi_galerkin_emit_steps(jet_text *text, const galerkin_equations *equations, const tvi_stopping_rule *rule)
-{
-    const galerkin_nodes *nodes = &equations->nodes;
+    const galerkin_step *step = &stepper->step;
+    const jet_tape *hessian = step->form == GALERKIN_PLAIN ? NULL : step->field.tape[true];
+    const hamiltonian_pass *pass = step->hamiltonian;
     jet_text_append(text,
-                    "#define LANES %d\nenum { GALERKIN_LANES = LANES, GALERKIN_NODE_COUNT = %d, "
-                    "GALERKIN_N = %d, GALERKIN_UNKNOWNS = %d, GALERKIN_MOVING_UNKNOWNS = %d, GALERKIN_SUBSYSTEMS = %d, "
-                    "GALERKIN_TAIL_SUBSYSTEMS = %d, GALERKIN_IS_SEPARABLE = %d, "
-                    "GALERKIN_READ_ONLY_ROWS = %d };\n#define GALERKIN_VALUES(x) tvi_values_values_%d(x)\n",
-                    nodes->lane_count, equations->node_count, equations->system->n, nodes->unknown_count,
-                    nodes->moving_unknown_count, nodes->subsystems.count, equations->system->tail_subsystems.count,
-                    galerkin_is_second_order(equations),
-                    galerkin_count_input_and_constant_rows(equations->system->field_values), nodes->lane_count);
-    emit_text_lines(text, tvi_embedded_galerkin);
-    emit_passes_rule(text, rule);
-    equations->form->emit(text, equations);
-    emit_text_lines(text, equations->form->text);
+                    "enum { GALERKIN_HESSIAN_SLOTS = %d, GALERKIN_HESSIAN_READ_ONLY_ROWS = %d, GALERKIN_HESSIAN_ROWS = "
+                    "%d, GALERKIN_HESSIAN_COLUMNS = %d };\n#define GALERKIN_VALUES(x) tvi_values_values_%d(x)\n",
+                    hessian ? hessian->slot_count : 0, hessian ? hessian->input_count + hessian->constant_count : 0,
+                    pass ? pass->rows : 0, pass ? pass->columns : 0, step->nodes.lane_count);
+    if (hessian)
+        jet_text_append(text, "#define GALERKIN_HESSIAN_VALUES(x) tvi_hessian_values_%d(x)\n", step->nodes.lane_count);
+    else jet_text_append(text, "#define GALERKIN_HESSIAN_VALUES(x) ((void)(x), 0)\n");
+}
+
+static void emit_lists(jet_text *text, const galerkin_stepper *stepper)
+{
+    const galerkin_step *step = &stepper->step;
+    const hamiltonian_pass *pass = step->hamiltonian;
+    const int unknowns = step->nodes.unknown_count, slots = step->form == GALERKIN_PLAIN ? 0 : unknowns,
+              rows = step->form == GALERKIN_PLAIN ? 0 : 2 * stepper->n,
+              elements = rows > 0 ? stepper->row_end[rows - 1] : 0;
+    emit_list(text, "rate_row", unknowns, stepper->rate_row);
+    emit_list(text, "slot", slots, stepper->slot[false]);
+    emit_list(text, "hessian_slot", slots, stepper->slot[true]);
+    emit_list(text, "row_end", rows, stepper->row_end);
+    emit_list(text, "element_column", elements, stepper->element_column);
+    emit_list(text, "element_slot", elements, stepper->element_slot);
+    emit_list(text, "unknown_of_row", pass ? pass->rows : 0, stepper->unknown_of_row);
+    emit_list(text, "index_in_block", pass ? pass->rows * pass->columns : 0, stepper->index_in_block);
+}
+
+void tvi_galerkin_emit_steps(jet_text *text, const galerkin_stepper *stepper)
+{
+    static const char *const form[] = {[GALERKIN_PLAIN] = "GALERKIN_PLAIN",
+                                       [GALERKIN_LAGRANGIAN] = "GALERKIN_LAGRANGIAN",
+                                       [GALERKIN_HAMILTONIAN] = "GALERKIN_HAMILTONIAN"};
+    const galerkin_step *step = &stepper->step;
+    const galerkin_nodes *nodes = &step->nodes;
+    const jet_tape *values = step->field.tape[false];
+    jet_text_append(
+        text,
+        "#define GALERKIN_LANES %d\n#define GALERKIN_FORM %s\n#define GALERKIN_IS_SPLIT tvi_values_is_split\n"
+        "enum { GALERKIN_NODE_COUNT = %d, GALERKIN_N = %d, GALERKIN_UNKNOWNS = %d, GALERKIN_MOVING = %d, "
+        "GALERKIN_SUBSYSTEMS = %d, GALERKIN_TAIL_SUBSYSTEMS = %d, GALERKIN_IS_SEPARABLE = %d, GALERKIN_INPUTS = %d, "
+        "GALERKIN_VALUE_SLOTS = %d, GALERKIN_READ_ONLY_ROWS = %d };\n",
+        nodes->lane_count, form[step->form], nodes->node_count, nodes->n, nodes->unknown_count, nodes->moving_count,
+        nodes->subsystems.count, step->tail.subsystems.count, step->is_separable, step->field.input_count,
+        values->slot_count, values->input_count + values->constant_count);
+    emit_rule(text, &step->rule);
+    emit_hessian(text, stepper);
+    emit_lists(text, stepper);
+    for (const char *const *line = tvi_embedded_galerkin; *line; line++) jet_text_append(text, "%s", *line);
     jet_text_append(text, "static const galerkin_generated_code tvi_loops = {galerkin_make_generated_steps};\n");
 }

@@ -2,8 +2,7 @@
  * measures its roundoff: how far one iteration, a pass, moves the unknowns by roundoff alone, so that further passes
  * bring nothing. For example, in a small motion about a position of size 1 the force has absolute errors of the
  * roundoff of that position, which exceed the roundoff of the small momenta. */
-#include "galerkin/step.h"
-#include "method/stepper.h"
+#include "galerkin/galerkin.h"
 
 #include <float.h>
 #include <math.h>
@@ -23,120 +22,132 @@
  * soon below it; its passes are assumed to contract as those of an earlier step.
  * stall_comparison_lag: in the equations of a Hamiltonian, passes may alternately contract much and little. */
 #define SQUARE(x) ((x) * (x))
-#define RULE(GOAL)                                                                                                     \
-    .max_passes = GALERKIN_MAX_PASSES, .correction_goal = SQUARE(GOAL),                                                \
-    .roundoff_level = SQUARE(GALERKIN_ROUNDOFF_LEVEL),                                                                 \
-    .max_trusted_contraction_ratio = SQUARE(PASSES_MAX_CONTRACTION),                                                   \
-    .stall_contraction_ratio = TVI_STALL_WITHOUT_DECREASE, .stall_comparison_lag = 2
-const tvi_stopping_rule tvi_galerkin_fixed_point = {RULE(GALERKIN_GOAL)};
-const tvi_stopping_rule tvi_galerkin_quasi_newton = {RULE(GALERKIN_HESSIAN_GOAL)};
-const tvi_stopping_rule tvi_galerkin_newton = {RULE(GALERKIN_HESSIAN_GOAL), .is_convergence_quadratic = true};
 
-tvi_stopping_rule tvi_galerkin_scale_passes_rule(const tvi_stopping_rule *rule_per_unknown, int unknown_value_count,
-                                                 const tvi_options *options)
+/* Without the term h g'' of the second derivatives of a Hamiltonian K = g h (hamiltonian_pass.h), each pass reduces the
+ * error by a constant factor only: this is not Newton's method. */
+tvi_stopping_rule tvi_galerkin_passes_rule(const galerkin_stepper *stepper)
 {
-    tvi_stopping_rule rule = *rule_per_unknown;
-    rule.correction_goal *= unknown_value_count;
-    rule.roundoff_level *= unknown_value_count;
-    rule = tvi_passes_rule_with_options(&rule, options, SQUARE(options->tolerance));
-    if (options->passes == TVI_PREDICT_ONLY) rule.max_passes = 0;
-    return rule;
+    const galerkin_step *step = &stepper->step;
+    const tvi_options *options = stepper->options;
+    const double numbers = step->nodes.unknown_count * step->nodes.lane_count,
+                 goal = step->form == GALERKIN_PLAIN ? GALERKIN_GOAL : GALERKIN_HESSIAN_GOAL;
+    const tvi_stopping_rule rule = {.max_passes = GALERKIN_MAX_PASSES,
+                                    .correction_goal = numbers * SQUARE(goal),
+                                    .roundoff_level = numbers * SQUARE(GALERKIN_ROUNDOFF_LEVEL),
+                                    .max_trusted_contraction_ratio = SQUARE(PASSES_MAX_CONTRACTION),
+                                    .stall_contraction_ratio = TVI_STALL_WITHOUT_DECREASE,
+                                    .stall_comparison_lag = 2,
+                                    .is_convergence_quadratic =
+                                        step->form == GALERKIN_HAMILTONIAN && step->system->hessian_is_complete};
+    tvi_stopping_rule asked = tvi_passes_rule_with_options(&rule, options, SQUARE(options->tolerance));
+    if (options->passes == TVI_PREDICT_ONLY) asked.max_passes = 0;
+    return asked;
 }
 
 /* ---- Roundoff ---------------------------------------------------------------------------------------------------- */
 
-static size_t count_doubles_in_rows(const galerkin_equations *equations, int row_count)
+static size_t bytes_of_rows(const galerkin_step *step, int rows)
 {
-    return (size_t)row_count * (size_t)equations->nodes.lane_count;
+    return (size_t)rows * (size_t)step->nodes.lane_count * sizeof(double);
 }
 
-void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *arena, const galerkin_equations *equations)
+void tvi_galerkin_allocate_probe(galerkin_stepper *stepper, tvi_arena *arena)
 {
-    tvi_roundoff_allocate(&probe->tape_output_roundoff, arena, equations->system);
-    probe->values_before_pass = tvi_arena_allocate_doubles(
-        arena, count_doubles_in_rows(equations, equations->node_value_row_count_read_by_pass));
-    probe->values_after_displaced_pass = tvi_arena_allocate_doubles(
-        arena, count_doubles_in_rows(equations, equations->node_value_row_count_read_by_pass));
-    probe->saved_drift_values_low =
-        tvi_arena_allocate_doubles(arena, count_doubles_in_rows(equations, equations->nodes.unknown_count));
-    probe->saved_impulses =
-        tvi_arena_allocate_doubles(arena, count_doubles_in_rows(equations, equations->nodes.unknown_count));
+    galerkin_probe *probe = &stepper->probe;
+    const size_t rows = bytes_of_rows(&stepper->step, probe->row_count),
+                 unknowns = bytes_of_rows(&stepper->step, stepper->step.nodes.unknown_count);
+    tvi_roundoff_allocate(&probe->roundoff, arena, stepper->step.system);
+    probe->before = tvi_arena_allocate(arena, rows);
+    probe->displaced = tvi_arena_allocate(arena, rows);
+    probe->saved_drift_low = tvi_arena_allocate(arena, unknowns);
+    probe->saved_impulse = tvi_arena_allocate(arena, unknowns);
 }
 
-/* Displaces the unknowns, and the drift values from which passes compute them, by GALERKIN_PROBE_UNITS units of
- * roundoff. The signs are the bits of a pseudorandom sequence. */
-static void displace_unknowns(galerkin_nodes *nodes)
+void tvi_galerkin_add_roundoff(const galerkin_field *field, bool with_hessian)
+{
+    tvi_roundoff_estimator *roundoff = field->added_roundoff;
+    const jet_tape *tape = field->tape[with_hessian];
+    double *block = field->block[with_hessian];
+    const int lanes = field->lane_count;
+    for (int i = 0; i < roundoff->output_count; i++)
+        for (int lane = 0; lane < lanes; lane++)
+            block[tape->output_slot[i] * lanes + lane] +=
+                tvi_roundoff_sign_randomly(roundoff, roundoff->output_roundoff[i]);
+}
+
+/* Displaces the unknowns, and the drift from which passes compute them, by GALERKIN_PROBE_UNITS units of roundoff. The
+ * signs are the bits of a pseudorandom sequence. */
+static void displace_unknowns(const galerkin_nodes *nodes)
 {
     uint64_t bits = UINT64_C(0x9e3779b97f4a7c15);
+    const int lanes = nodes->lane_count;
     for (int u = 0; u < nodes->unknown_count; u++)
-        for (int k = u * nodes->lane_count;
-             k < (u + 1) * nodes->lane_count && u % nodes->coordinate_unknown_count < nodes->moving_unknown_count;
-             k++) {
-            const double size = GALERKIN_PROBE_UNITS * DBL_EPSILON *
-                                (fabs(nodes->start_values[u]) + fabs(nodes->values[k] - nodes->start_values[u]));
+        for (int k = u * lanes; k < (u + 1) * lanes && u % nodes->n < nodes->moving_count; k++) {
+            const double size =
+                GALERKIN_PROBE_UNITS * DBL_EPSILON * (fabs(nodes->start[u]) + fabs(nodes->x[k] - nodes->start[u]));
             bits = bits * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-            nodes->values[k] += bits >> 63 ? size : -size;
-            nodes->drift_values_low[k] += bits >> 63 ? size : -size;
+            nodes->x[k] += bits >> 63 ? size : -size;
+            nodes->drift_low[k] += bits >> 63 ? size : -size;
         }
 }
 
 /* Returns the sum of the squares of the relative differences between x and the unknowns. */
-static double compute_squared_distance_to_unknowns(const galerkin_nodes *nodes, const double *x)
+static double squared_distance(const galerkin_nodes *nodes, const double *x)
 {
     double sum = 0;
     for (int u = 0; u < nodes->unknown_count; u++)
         for (int k = u * nodes->lane_count; k < (u + 1) * nodes->lane_count; k++) {
-            const double part = (nodes->values[k] - x[k]) * nodes->inverse_unknown_size[u];
+            const double part = (nodes->x[k] - x[k]) * nodes->per_size[u];
             sum += part * part;
         }
     return sum;
 }
 
 /* Makes a pass from displaced unknowns, stores its result in the probe, and restores the nodes. */
-static tvi_status make_pass_from_displaced_unknowns(galerkin_equations *equations, galerkin_roundoff_probe *probe,
-                                                    double *movement, tvi_stats *stats)
+static tvi_status make_displaced_pass(galerkin_step *step, double *movement, galerkin_counts *counts)
 {
-    galerkin_nodes *nodes = &equations->nodes;
-    const size_t bytes =
-        count_doubles_in_rows(equations, equations->node_value_row_count_read_by_pass) * sizeof(double);
-    const size_t base_bytes = count_doubles_in_rows(equations, nodes->unknown_count) * sizeof(double);
-    memcpy(probe->saved_drift_values_low, nodes->drift_values_low, base_bytes);
-    memcpy(probe->saved_impulses, nodes->impulses, base_bytes);
+    const galerkin_nodes *nodes = &step->nodes;
+    galerkin_probe *probe = step->probe;
+    const size_t rows = bytes_of_rows(step, probe->row_count), unknowns = bytes_of_rows(step, nodes->unknown_count);
+    memcpy(probe->saved_drift_low, nodes->drift_low, unknowns);
+    memcpy(probe->saved_impulse, nodes->impulse, unknowns);
     displace_unknowns(nodes);
-    equations->tape_output_roundoff_to_add = &probe->tape_output_roundoff;
-    const tvi_status status = galerkin_make_pass(equations, movement, stats);
-    equations->tape_output_roundoff_to_add = NULL;
-    memcpy(probe->values_after_displaced_pass, nodes->values, bytes);
-    memcpy(nodes->values, probe->values_before_pass, bytes);
-    memcpy(nodes->drift_values_low, probe->saved_drift_values_low, base_bytes);
-    memcpy(nodes->impulses, probe->saved_impulses, base_bytes);
+    step->field.added_roundoff = &probe->roundoff;
+    const tvi_status status = tvi_galerkin_make_pass(step, movement, counts);
+    step->field.added_roundoff = NULL;
+    memcpy(probe->displaced, nodes->x, rows);
+    memcpy(nodes->x, probe->before, rows);
+    memcpy(nodes->drift_low, probe->saved_drift_low, unknowns);
+    memcpy(nodes->impulse, probe->saved_impulse, unknowns);
     return status;
 }
 
-/* Measures the movement of a pass and its roundoff. The iterations within a pass may move the unknowns back and
- * forth, so that only the distance from their old to their new values counts. */
-tvi_status tvi_galerkin_measure_roundoff(galerkin_equations *equations, galerkin_roundoff_probe *probe,
-                                         double *movement, double *roundoff, tvi_stats *stats)
+/* Makes the next pass, and measures its roundoff: the distance from where a pass with displaced unknowns and a displaced
+ * field ends. The iterations within a pass may move the unknowns back and forth, so that only the distance from their
+ * old to their new values counts. Both results are sums of squares, as movements are. */
+static tvi_status measure_roundoff(galerkin_step *step, double *movement, double *roundoff, galerkin_counts *counts)
 {
-    const galerkin_nodes *nodes = &equations->nodes;
-    memcpy(probe->values_before_pass, nodes->values,
-           count_doubles_in_rows(equations, equations->node_value_row_count_read_by_pass) * sizeof(double));
-    stats->force_evaluations +=
-        tvi_roundoff_estimate_field(&probe->tape_output_roundoff, equations->system, equations->tape_block,
-                                    nodes->lane_count, equations->node_count);
-    for (int i = 0; i < tvi_system_output_count(equations->system); i++)
-        probe->tape_output_roundoff.output_roundoff[i] *= GALERKIN_PROBE_UNITS;
-    tvi_status status = make_pass_from_displaced_unknowns(equations, probe, movement, stats);
-    if (status == TVI_OK) status = galerkin_make_pass(equations, movement, stats);
-    *roundoff = compute_squared_distance_to_unknowns(nodes, probe->values_after_displaced_pass);
-    *movement = compute_squared_distance_to_unknowns(nodes, probe->values_before_pass);
+    const galerkin_nodes *nodes = &step->nodes;
+    galerkin_probe *probe = step->probe;
+    memcpy(probe->before, nodes->x, bytes_of_rows(step, probe->row_count));
+    counts->evaluations += tvi_roundoff_estimate_field(&probe->roundoff, step->system, step->field.block[false],
+                                                       nodes->lane_count, nodes->node_count);
+    for (int i = 0; i < probe->roundoff.output_count; i++) probe->roundoff.output_roundoff[i] *= GALERKIN_PROBE_UNITS;
+    tvi_status status = make_displaced_pass(step, movement, counts);
+    if (status == TVI_OK) status = tvi_galerkin_make_pass(step, movement, counts);
+    *roundoff = squared_distance(nodes, probe->displaced);
+    *movement = squared_distance(nodes, probe->before);
     return status;
 }
 
-bool tvi_galerkin_are_nodes_near_start(const galerkin_equations *equations, const tvi_step_origin *origin)
+tvi_status tvi_galerkin_make_probed_pass(galerkin_step *step, const tvi_step_origin *origin, double *movement,
+                                         double *roundoff, galerkin_counts *counts)
 {
-    const galerkin_nodes *nodes = &equations->nodes;
-    return tvi_roundoff_may_exceed_step_motion(equations->system, equations->step_size, origin->q, origin->p,
-                                               nodes->values, nodes->values + equations->system->n * nodes->lane_count,
-                                               nodes->lane_count, equations->node_count);
+    const galerkin_nodes *nodes = &step->nodes;
+    const double *second = nodes->x + nodes->n * nodes->lane_count;
+    const bool is_roundoff = *movement <= step->rule.roundoff_level ||
+                             tvi_roundoff_may_exceed_step_motion(step->system, step->h, origin->q, origin->p, nodes->x,
+                                                                 second, nodes->lane_count, nodes->node_count);
+    return is_roundoff ? measure_roundoff(step, movement, roundoff, counts)
+                       : tvi_galerkin_make_pass(step, movement, counts);
 }

@@ -1,177 +1,215 @@
-/* steps.h - Makes the steps of the Galerkin curve (docs/method.md section 5). The library compiles this code for any
- * system, and calls kernels through tables (galerkin.c). Generated code compiles it for one system, whose sizes are
- * constants (generated_*.h). */
+/* steps.h - Makes steps of the Galerkin curve, whose unknowns are the values at m Gauss nodes. This is Gauss
+ * collocation (docs/method.md sections 4 and 5). With its coefficients a, b, c and the force F_j at node j the
+ * equations are, for a separable system,
+ *    Q_i = q0 + c_i h M^-1 p0 + h^2 sum_j (a a)_ij M^-1 F_j,
+ *    q1 = q0 + h M^-1 (p0 + h sum_j b_j (1 - c_j) F_j),   p1 = p0 + h sum_j b_j F_j;
+ * and for any other system, with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q,
+ *    (Q, P)_i = (q0, p0) + h sum_j a_ij (V, F)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (V, F)_j.
+ *
+ * A step predicts the unknowns (nodes.h), makes passes until they are at rest, sums the impulses and computes the tail
+ * (ends.h). The library compiles this text in galerkin.c, once for each instruction set; generated code contains it,
+ * with the sizes of its system as constants (emit.c). */
 #ifndef TVI_SRC_GALERKIN_STEPS_H
 #define TVI_SRC_GALERKIN_STEPS_H
 
-#include "algebra/passes.h"
-#include "galerkin/blocks.h"
+#include "galerkin/ends.h"
+#include "galerkin/hamiltonian_pass.h"
+#include "galerkin/lagrangian_pass.h"
 #include "tvi.h"
-#include "vector.h"
 
-/* The inputs of the functions of this file, apart from the state and the request: the kernels, the nodes, the
- * coefficient tables and the memory of a stepper. */
-typedef struct galerkin_step_inputs {
-    const galerkin_kernels *kernels;
-    const galerkin_nodes *nodes;
-    const galerkin_tail_inputs *tail_inputs;
-    const galerkin_double_integral_and_tail_weights *impulse_sum_weights;
-    const tvi_stopping_rule *passes_rule;
-    const double *node_impulse_to_node_unknown_matrix, *node_abscissa;
-    /* the fields of the same names in galerkin_predictor */
-    const double *two_step_extrapolation, *last_step_extrapolation;
-    /* The limit of the movement of the first pass of a step. If the movement is larger, the next step is predicted from
-     * the last step alone. */
-    double two_step_prediction_max_first_movement;
-    /* [unknowns] h M^-1 p0 of a separable system, and its low-order part. */
-    double *coordinate_drift_over_step, *coordinate_drift_over_step_low;
-    /* [GALERKIN_RING_LENGTH] The impulses of the last steps, stored in the history. */
-    double *const *impulse_ring;
-    /* lagrangian_pass_context or hamiltonian_pass_context, or NULL if passes use no second derivatives. */
-    void *lagrangian_or_hamiltonian_pass_workspace;
-} galerkin_step_inputs;
+/* The forms of the equations. GALERKIN_PLAIN: the rates are outputs of the tape, and passes are a fixed-point
+ * iteration. The passes of the others use second derivatives. */
+typedef enum { GALERKIN_PLAIN, GALERKIN_LAGRANGIAN, GALERKIN_HAMILTONIAN } galerkin_form;
 
-/* The functions that make the passes of a step and predict its unknowns. The library and generated code supply
- * different ones. */
+/* Measures of how the passes of a step converged, from which the convergence of the next step is estimated. A movement
+ * is the sum of the squares of the changes of the unknowns, relative to their sizes. 0: unknown. */
 typedef struct {
-    /* Makes the next pass from the current unknowns. `movement` is measured as by the kernel `move`.
-     * If passes no longer shrink, the caller passes a roundoff that is not NULL: the function then also measures how
-     * far the roundoff of a pass moves the unknowns, if it can. */
-    tvi_status (*make_pass)(void *work, const galerkin_nodes *nodes, double *movement, double *roundoff);
-    void (*predict)(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation);
-    /* This function is called after each completed step of a run. NULL: no function is called. */
-    void (*after_step)(void *work);
-    void *work;
-} galerkin_pass_functions;
+    double contraction;    /* the largest ratio of the movements of two successive passes */
+    double first_movement; /* the movement of the first pass, which shows the error of the prediction */
+} galerkin_convergence;
 
-/* The state of the iteration that solves the equations of a step. */
+struct galerkin_probe;
+
+/* What steps are computed with: the unknowns, the field and the tables. */
+typedef struct galerkin_step {
+    galerkin_form form;
+    bool is_separable;
+    double h; /* the step size for which weights and scales are set; 0 before the first step */
+    const tvi_system *system;
+    galerkin_nodes nodes;
+    galerkin_field field;
+    const int *rate_row; /* [unknowns] the row of nodes.x that has the rate of each unknown */
+    const double *c;     /* [lanes] the nodes c_i */
+    /* [unknowns] the drift of the positions of a separable system over the step, h M^-1 p0, in two parts */
+    double *move, *move_low;
+    galerkin_sum_weights sum_weights;
+    galerkin_tail tail;
+    tvi_stopping_rule rule; /* that ends the passes */
+    /* Tables of the prediction (galerkin_extrapolation), and the impulses of the last steps, stored in the history. If
+     * the movement of the first pass of a step is larger than this limit, the next step is predicted from one step. */
+    const double *two_step_table, *last_step_table;
+    double two_step_max_movement;
+    double *ring[GALERKIN_RING_LENGTH];
+    lagrangian_pass *lagrangian;   /* NULL for other forms */
+    hamiltonian_pass *hamiltonian; /* NULL for other forms */
+    struct galerkin_probe *probe;  /* the memory in which the library measures roundoff (probe.c) */
+} galerkin_step;
+
+/* The numbers of what passes did (tvi_stats). */
 typedef struct {
-    tvi_status status; /* TVI_OK, or TVI_ENOCONV if the passes are stuck or too many */
-    int pass_count;
-    tvi_convergence_test passes_so_far;
-    /* The convergence of an earlier step of the same size when the iteration begins, and of this step when the
-     * iteration has ended. */
-    galerkin_convergence convergence;
-} galerkin_iteration;
+    long passes, evaluations, factorisations;
+} galerkin_counts;
 
 /* The results of several steps in a row, apart from the increments of the state. */
-typedef struct galerkin_steps_outcome {
+typedef struct galerkin_outcome {
     /* TVI_OK, or the status of the step or the prediction that failed. It is TVI_OK, too, if the last step was not
-     * added to the state (galerkin_try_adding_step_to_state). */
+     * added to the state (galerkin_add_step). */
     tvi_status status;
-    /* The number of passes of the last step, if it failed or was not added to the state. The caller makes this step
-     * again. */
-    int pass_count_of_failed_step;
-    /* The number of steps that were made, and of all their passes. */
-    long step_count, pass_count;
-    /* The number of passes that inverted L_vv at the nodes; the generated code of a Lagrangian alone sets it. */
-    long inversion_pass_count;
-    /* The index in impulse_ring of the last step's impulses, and how many of the last two steps (0, 1 or 2) have the
-     * size of the next step. */
-    int last_ring_index, equal_step_count;
-    /* true: the first of these steps is predicted from earlier steps; false: from the state at its start alone. */
-    bool is_first_step_extrapolated;
-    galerkin_convergence convergence; /* the convergence of the last step */
-    double start_time_of_last_step;   /* the time at which the last step began */
-    /* The movement of the last pass of the last step, as a sum of squares, and the tail of that step. */
-    double last_pass_movement_square, last_tail;
-    double largest_tail; /* the largest tail of these steps and of all earlier ones */
-} galerkin_steps_outcome;
+    long step_count;
+    galerkin_counts counts, counts_of_added; /* of all passes, and of those of steps that were made */
+    /* The index in the ring of the last step's impulses, and how many of the last two steps (0, 1 or 2) have the size of
+     * the next step. */
+    int ring_index, equal_step_count;
+    bool is_extrapolated; /* whether the first step was predicted from earlier steps, not from its start alone */
+    galerkin_convergence convergence; /* of the last step */
+    double start_time;                /* of the last step */
+    double last_movement, last_tail;  /* of the last step; a movement is a sum of squares */
+    double largest_tail;              /* of these steps and of all earlier ones */
+} galerkin_outcome;
 
-/* ---- The parts of a step ----------------------------------------------------------------------------------------- */
+/* ---- The start of a step ----------------------------------------------------------------------------------------- */
 
-JET_INLINE void galerkin_set_drift_values(const galerkin_step_inputs *step_inputs, const galerkin_nodes *nodes,
-                                          const tvi_step_origin *origin)
+static inline double *galerkin_ring_at(const galerkin_step *step, int index)
 {
-    if (step_inputs->tail_inputs->is_separable)
-        GALERKIN_KERNEL(step_inputs->kernels, set_linear_drift_values, nodes, step_inputs->node_abscissa, origin,
-                        step_inputs->coordinate_drift_over_step, step_inputs->coordinate_drift_over_step_low);
-    else GALERKIN_KERNEL(step_inputs->kernels, set_constant_drift_values, nodes, step_inputs->tail_inputs->n, origin);
+    return step->ring[(index + GALERKIN_RING_LENGTH) % GALERKIN_RING_LENGTH];
 }
 
-JET_INLINE double *galerkin_find_impulses_in_ring(const galerkin_step_inputs *step_inputs, int ring_index)
+static inline void galerkin_set_drift(const galerkin_step *step, const tvi_step_origin *origin)
 {
-    return step_inputs->impulse_ring[ring_index < 0                      ? ring_index + GALERKIN_RING_LENGTH
-                                     : ring_index < GALERKIN_RING_LENGTH ? ring_index
-                                                                         : ring_index - GALERKIN_RING_LENGTH];
+    if (step->is_separable) nodes_set_linear_drift(&step->nodes, step->c, origin, step->move, step->move_low);
+    else nodes_set_constant_drift(&step->nodes, origin);
 }
 
-/* The next step is predicted from the last step alone if only one earlier step has the same size, or the first movement
- * of the last step exceeded two_step_prediction_max_first_movement. */
-JET_INLINE galerkin_extrapolation galerkin_select_extrapolation(const galerkin_step_inputs *step_inputs, int ring_index,
-                                                                int equal_step_count, double first_movement_square)
+static inline void galerkin_predict(const galerkin_step *step, const galerkin_extrapolation *by)
 {
-    return (galerkin_extrapolation){step_inputs->two_step_extrapolation, step_inputs->last_step_extrapolation,
-                                    galerkin_find_impulses_in_ring(step_inputs, ring_index),
-                                    galerkin_find_impulses_in_ring(step_inputs, ring_index - 1),
-                                    equal_step_count < 2 ||
-                                        first_movement_square > step_inputs->two_step_prediction_max_first_movement};
+    if (step->form == GALERKIN_PLAIN) nodes_predict(&step->nodes, by);
+    else if (step->form == GALERKIN_LAGRANGIAN) lagrangian_predict(step->lagrangian, &step->nodes, step->rate_row, by);
+    else hamiltonian_predict(step->hamiltonian, &step->nodes, step->rate_row, by);
 }
 
-/* Records a pass with this movement, and decides whether the iteration may end. */
-JET_INLINE tvi_passes_verdict galerkin_judge_pass(const tvi_stopping_rule *rule, galerkin_iteration *iteration,
-                                                  double movement)
+/* Predicts the unknowns from the last two steps, or from the last one if only one has the size of this step, or if the
+ * prediction of the last step was rough. */
+static inline void galerkin_predict_from_ring(const galerkin_step *step, const galerkin_outcome *so_far)
 {
-    const tvi_passes_verdict verdict = tvi_convergence_test_add_pass(&iteration->passes_so_far, rule, movement);
-    if (iteration->pass_count++ == 0) iteration->convergence.first_movement_square = movement;
-    iteration->convergence.largest_contraction_ratio = iteration->passes_so_far.slowest_ratio;
-    iteration->status = !(movement < INFINITY) ? TVI_ENONFINITE : verdict == TVI_PASSES_MAY_END ? TVI_OK : TVI_ENOCONV;
-    return iteration->status == TVI_ENONFINITE ? TVI_PASSES_MAY_END : verdict;
+    const galerkin_extrapolation by = {
+        step->two_step_table, step->last_step_table, galerkin_ring_at(step, so_far->ring_index),
+        galerkin_ring_at(step, so_far->ring_index - 1),
+        so_far->equal_step_count < 2 || so_far->convergence.first_movement > step->two_step_max_movement};
+    galerkin_predict(step, &by);
 }
 
-/* Makes passes until they converge. If the movements no longer shrink, the roundoff of a pass is
- * measured. */
-JET_INLINE void galerkin_make_passes(const galerkin_step_inputs *step_inputs, const galerkin_nodes *nodes,
-                                     const galerkin_pass_functions *pass_functions, galerkin_iteration *iteration,
-                                     double *movement)
+/* ---- A pass ------------------------------------------------------------------------------------------------------ */
+
+/* Moves the unknowns by the rates, which the tape computes from them. Returns false if an operand is outside its
+ * domain. */
+static inline bool galerkin_make_plain_pass(const galerkin_step *step, double *movement)
 {
-    const int most = step_inputs->passes_rule->max_passes;
+#ifdef GALERKIN_LANES
+    if (GALERKIN_IS_SPLIT) {
+        if (!galerkin_set_impulses_by_registers(&step->nodes)) return false;
+        *movement = move_rows(&step->nodes, NULL, GALERKIN_LANES);
+        return true;
+    }
+#endif
+    if (!galerkin_sweep(&step->field, false)) return false;
+    *movement = nodes_move(&step->nodes, step->nodes.x, step->rate_row, NULL);
+    return true;
+}
+
+/* Makes a pass: evaluates the field, moves the unknowns, and counts. */
+static inline tvi_status galerkin_make_pass(const galerkin_step *step, double *movement, galerkin_counts *counts)
+{
+    static const tvi_status status_of[] = {[LAGRANGIAN_PASSED] = TVI_OK,
+                                           [LAGRANGIAN_OUTSIDE_DOMAIN] = TVI_EDOMAIN,
+                                           [LAGRANGIAN_NONFINITE] = TVI_ENONFINITE,
+                                           [LAGRANGIAN_SINGULAR] = TVI_ESINGULAR};
+    tvi_status status = TVI_OK;
+    counts->evaluations += NODE_COUNT_OF(&step->nodes);
+    if (step->form == GALERKIN_PLAIN) status = galerkin_make_plain_pass(step, movement) ? TVI_OK : TVI_EDOMAIN;
+    else if (step->form == GALERKIN_LAGRANGIAN) {
+        const long before = step->lagrangian->inversions;
+        status = status_of[lagrangian_make_pass(step->lagrangian, &step->nodes, &step->field, step->rate_row)];
+        counts->factorisations += (step->lagrangian->inversions - before) * NODE_COUNT_OF(&step->nodes);
+        *movement = step->lagrangian->last_movement;
+    } else {
+        status = hamiltonian_make_pass(step->hamiltonian, &step->nodes, &step->field) ? TVI_OK : TVI_EDOMAIN;
+        *movement = step->hamiltonian->last_movement;
+    }
+    if (status != TVI_OK) return status;
+    counts->passes++;
+    return isfinite(*movement) ? TVI_OK : TVI_ENONFINITE;
+}
+
+#ifndef GALERKIN_LANES
+/* Makes the next pass, and measures its roundoff if the movement is as small as roundoff or the nodes are near the start
+ * of the step: otherwise the step is too large, and its movements back and forth are no roundoff (probe.c). */
+tvi_status tvi_galerkin_make_probed_pass(galerkin_step *step, const tvi_step_origin *origin, double *movement,
+                                         double *roundoff, galerkin_counts *counts);
+#endif
+
+/* Makes passes until the rule ends them. If their movements no longer shrink, the library measures the roundoff of a
+ * pass; generated code returns TVI_ENOCONV, and the library makes the step again. */
+static inline tvi_status galerkin_make_passes(galerkin_step *step, const tvi_step_origin *origin,
+                                              galerkin_convergence *convergence, double *movement,
+                                              galerkin_counts *counts)
+{
+    const tvi_stopping_rule *rule = &step->rule;
+    const long before = counts->passes;
+    tvi_convergence_test test;
     bool is_stuck = false;
-    tvi_convergence_test_begin_iteration(&iteration->passes_so_far, iteration->convergence.largest_contraction_ratio);
-    iteration->pass_count = 0;
-    iteration->status = most > 0 ? TVI_ENOCONV : TVI_OK;
+    tvi_convergence_test_begin_iteration(&test, convergence->contraction);
     *movement = 0;
-    while (iteration->pass_count < most) {
-        const bool suspects = is_stuck && iteration->passes_so_far.roundoff == 0 && iteration->pass_count + 1 < most;
-        const tvi_status status = pass_functions->make_pass(pass_functions->work, nodes, movement,
-                                                            suspects ? &iteration->passes_so_far.roundoff : NULL);
-        if (status != TVI_OK) {
-            iteration->status = status;
-            return;
-        }
-        iteration->pass_count += suspects && iteration->passes_so_far.roundoff > 0;
-        const tvi_passes_verdict verdict = galerkin_judge_pass(step_inputs->passes_rule, iteration, *movement);
-        if (verdict == TVI_PASSES_MAY_END) return;
+    for (long made = 0; made < rule->max_passes; made = counts->passes - before) {
+        const bool suspects = is_stuck && test.roundoff == 0 && made + 1 < rule->max_passes;
+#ifdef GALERKIN_LANES
+        (void)origin;
+        const tvi_status status = suspects ? TVI_ENOCONV : galerkin_make_pass(step, movement, counts);
+#else
+        const tvi_status status = suspects
+                                      ? tvi_galerkin_make_probed_pass(step, origin, movement, &test.roundoff, counts)
+                                      : galerkin_make_pass(step, movement, counts);
+#endif
+        if (status != TVI_OK) return status;
+        const tvi_passes_verdict verdict = tvi_convergence_test_add_pass(&test, rule, *movement);
+        if (made == 0) convergence->first_movement = *movement;
+        convergence->contraction = test.slowest_ratio;
+        if (verdict == TVI_PASSES_MAY_END) return TVI_OK;
         is_stuck |= verdict == TVI_PASSES_STUCK;
         /* The unknowns have moved by more than their predicted sizes, which say nothing of them. */
-        if (*movement > 1) GALERKIN_KERNEL(step_inputs->kernels, set_sizes, nodes, step_inputs->tail_inputs->n);
+        if (*movement > 1) nodes_set_sizes(&step->nodes);
     }
+    return rule->max_passes > 0 ? TVI_ENOCONV : TVI_OK;
 }
+
+/* ---- The end of a step ------------------------------------------------------------------------------------------- */
 
 /* Computes the increments of a step from its impulses. Returns the tail, an estimate of what the truncated series
  * leaves out. */
-JET_INLINE double galerkin_compute_increments(const galerkin_step_inputs *step_inputs, const galerkin_nodes *nodes,
-                                              const tvi_step_origin *origin, const tvi_increments *increments)
+static inline double galerkin_set_increments(const galerkin_step *step, const tvi_step_origin *origin,
+                                             const tvi_increments *increments)
 {
-    galerkin_tail_inputs inputs = *step_inputs->tail_inputs;
-    inputs.start_q = origin->q;
-    inputs.start_p = origin->p;
-    inputs.momentum_increment = increments->dp;
-    GALERKIN_KERNEL(step_inputs->kernels, sum_impulses, nodes, step_inputs->impulse_sum_weights,
-                    &inputs.impulse_sums_over_nodes);
-    if (inputs.is_separable)
-        GALERKIN_KERNEL(step_inputs->kernels, compute_drifting_increments, nodes, &inputs.impulse_sums_over_nodes,
-                        step_inputs->coordinate_drift_over_step, step_inputs->coordinate_drift_over_step_low,
-                        increments);
-    else
-        GALERKIN_KERNEL(step_inputs->kernels, compute_increments, nodes, &inputs.impulse_sums_over_nodes, inputs.n,
-                        increments);
-    return nodes->node_count > 1 ? GALERKIN_KERNEL(step_inputs->kernels, compute_tail, &inputs) : 0;
+    galerkin_tail tail = step->tail;
+    tail.q = origin->q;
+    tail.p = origin->p;
+    tail.dp = increments->dp;
+    nodes_sum_impulses(&step->nodes, &step->sum_weights, &tail.sums);
+    if (step->is_separable)
+        nodes_set_drifting_increments(&step->nodes, &tail.sums, step->move, step->move_low, increments);
+    else nodes_set_increments(&step->nodes, &tail.sums, increments);
+    return step->nodes.node_count > 1 ? galerkin_compute_tail(&tail) : 0;
 }
 
-/* ---- Steps in a row ---------------------------------------------------------------------------------------------- */
-
-JET_INLINE bool galerkin_are_sums_finite(int count, const double *x, const double *dx)
+static inline bool galerkin_are_sums_finite(int count, const double *x, const double *dx)
 {
     uint64_t any = 0;
     for (int i = 0; i < count; i++) any |= tvi_nonzero_if_nonfinite(x[i] + dx[i]);
@@ -181,69 +219,58 @@ JET_INLINE bool galerkin_are_sums_finite(int count, const double *x, const doubl
 /* Adds the increments of a step to the state. Returns false, and adds nothing, in three cases: the energy has to be
  * checked first, because the tail or the number of passes exceeds run->limits_for_skipping_energy_check; the step does
  * not end before run->t_end; or the sums are not finite. */
-JET_INLINE bool galerkin_try_adding_step_to_state(int n, const tvi_run_request *run, const tvi_run_state *state,
-                                                  double tail, int pass_count)
+static inline bool galerkin_add_step(int n, const tvi_run_request *run, const tvi_run_state *state, double tail,
+                                     long passes)
 {
+    const tvi_increments *d = &run->last_step_increments_out;
     if (!(tail <= run->limits_for_skipping_energy_check.max_tail &&
-          pass_count <= run->limits_for_skipping_energy_check.max_passes))
+          passes <= run->limits_for_skipping_energy_check.max_passes))
         return false;
     if (!tvi_step_ends_before_t_end(run, state->q)) return false;
-    if (!galerkin_are_sums_finite(n + 1, state->q, run->last_step_increments_out.dq)) return false;
-    if (!galerkin_are_sums_finite(n, state->p, run->last_step_increments_out.dp)) return false;
-    (void)tvi_add_all_compensated_and_find_nonfinite(n + 1, state->q, state->q_low, run->last_step_increments_out.dq,
-                                                     run->last_step_increments_out.dq_low);
-    (void)tvi_add_all_compensated_and_find_nonfinite(n, state->p, state->p_low, run->last_step_increments_out.dp,
-                                                     run->last_step_increments_out.dp_low);
+    if (!galerkin_are_sums_finite(n + 1, state->q, d->dq) || !galerkin_are_sums_finite(n, state->p, d->dp))
+        return false;
+    (void)tvi_add_all_compensated_and_find_nonfinite(n + 1, state->q, state->q_low, d->dq, d->dq_low);
+    (void)tvi_add_all_compensated_and_find_nonfinite(n, state->p, state->p_low, d->dp, d->dp_low);
     return true;
 }
 
-/* Makes steps in a row from the origin, and adds them to `state`. If `state` is NULL, makes a single step
- * and adds nothing. If outcome->equal_step_count is 0, the caller has set the unknowns of the first step. */
-JET_INLINE void galerkin_make_steps(const galerkin_step_inputs *step_inputs, galerkin_nodes *nodes,
-                                    const galerkin_pass_functions *pass_functions, const tvi_run_request *run,
-                                    const tvi_step_origin *origin, const tvi_run_state *state,
-                                    galerkin_steps_outcome *outcome)
+/* ---- Steps in a row ---------------------------------------------------------------------------------------------- */
+
+/* Makes steps in a row from the origin, and adds them to `state`. If `state` is NULL, makes a single step and adds
+ * nothing. If outcome->equal_step_count is 0, the caller has set the unknowns of the first step. */
+static inline void galerkin_make_steps(galerkin_step *step, const tvi_run_request *run, const tvi_step_origin *origin,
+                                       const tvi_run_state *state, galerkin_outcome *outcome)
 {
-    const int n = step_inputs->tail_inputs->n;
+    const int n = step->nodes.n;
     while (outcome->step_count < run->max_steps) {
         const double t = state ? state->q[n] : origin->t;
-        galerkin_iteration iteration = {.convergence = outcome->convergence};
+        galerkin_convergence convergence = outcome->convergence;
+        const long before = outcome->counts.passes;
         double movement, tail = 0;
-        nodes->impulses = galerkin_find_impulses_in_ring(step_inputs, outcome->last_ring_index + 1);
-        galerkin_set_drift_values(step_inputs, nodes, origin);
-        if (outcome->equal_step_count > 0) {
-            const galerkin_extrapolation extrapolation =
-                galerkin_select_extrapolation(step_inputs, outcome->last_ring_index, outcome->equal_step_count,
-                                              outcome->convergence.first_movement_square);
-            pass_functions->predict(pass_functions->work, nodes, &extrapolation);
-        }
-        GALERKIN_KERNEL(step_inputs->kernels, set_sizes, nodes, n);
-        galerkin_make_passes(step_inputs, nodes, pass_functions, &iteration, &movement);
-        outcome->status = iteration.status;
-        if (iteration.status == TVI_OK)
-            tail = galerkin_compute_increments(step_inputs, nodes, origin, &run->last_step_increments_out);
-        if (iteration.status != TVI_OK ||
-            (state && !galerkin_try_adding_step_to_state(n, run, state, tail, iteration.pass_count))) {
-            outcome->pass_count_of_failed_step = iteration.pass_count;
-            return;
-        }
+        step->nodes.impulse = galerkin_ring_at(step, outcome->ring_index + 1);
+        galerkin_set_drift(step, origin);
+        if (outcome->equal_step_count > 0) galerkin_predict_from_ring(step, outcome);
+        nodes_set_sizes(&step->nodes);
+        outcome->status = galerkin_make_passes(step, origin, &convergence, &movement, &outcome->counts);
+        if (outcome->status != TVI_OK) return;
+        tail = galerkin_set_increments(step, origin, &run->last_step_increments_out);
+        if (state && !galerkin_add_step(n, run, state, tail, outcome->counts.passes - before)) return;
         outcome->step_count++;
-        if (pass_functions->after_step) pass_functions->after_step(pass_functions->work);
-        outcome->pass_count += iteration.pass_count;
-        outcome->last_ring_index = (outcome->last_ring_index + 1) % GALERKIN_RING_LENGTH;
+        outcome->counts_of_added = outcome->counts;
+        outcome->ring_index = (outcome->ring_index + 1) % GALERKIN_RING_LENGTH;
         outcome->equal_step_count += outcome->equal_step_count < 2;
-        outcome->convergence = iteration.convergence;
-        outcome->start_time_of_last_step = t;
-        outcome->last_pass_movement_square = movement;
+        outcome->convergence = convergence;
+        outcome->start_time = t;
+        outcome->last_movement = movement;
         outcome->last_tail = tail;
         outcome->largest_tail = tvi_larger(tail, outcome->largest_tail);
     }
 }
 
-/* The entry point of generated code: `steps` makes steps, as galerkin_make_steps does. */
+/* The entry point of generated code, which makes steps as galerkin_make_steps does. */
 typedef struct galerkin_generated_code {
-    void (*steps)(const galerkin_step_inputs *step_inputs, const tvi_run_request *run, const tvi_step_origin *origin,
-                  const tvi_run_state *state, galerkin_steps_outcome *outcome);
+    void (*steps)(const galerkin_step *step, const tvi_run_request *run, const tvi_step_origin *origin,
+                  const tvi_run_state *state, galerkin_outcome *outcome);
 } galerkin_generated_code;
 
 #endif

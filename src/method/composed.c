@@ -32,7 +32,7 @@ static void *allocate_composed_work(tvi_arena *arena, const tvi_system *system, 
         composition.half_options[half].compose_adjoint = false;
         /* The steppers of the halves keep pointers to their options, which are therefore copied into the arena. */
         if (allocated) allocated->half_options[half] = composition.half_options[half];
-        composition.half_stepper[half] = tvi_choose_stepper(&composition.half_options[half]);
+        composition.half_stepper[half] = tvi_choose_stepper(&composition.half_options[half], system);
         composition.half_work[half] = composition.half_stepper[half]->allocate(
             arena, system, allocated ? &allocated->half_options[half] : &composition.half_options[half]);
     }
@@ -96,7 +96,7 @@ static tvi_tapes_of_steps list_tapes_of_half(const tvi_system *system, const tvi
 {
     tvi_options half = *options;
     half.compose_adjoint = false;
-    return tvi_choose_stepper(&half)->list_tapes(system, &half);
+    return tvi_choose_stepper(&half, system)->list_tapes(system, &half);
 }
 
 static bool are_histories_valid(const void *work)

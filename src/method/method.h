@@ -12,8 +12,8 @@ const tvi_descriptor *tvi_find_method(const tvi_options *options);
  * becomes the reason. If system is NULL, only those checks are made that hold for every system. */
 TVI_NODISCARD tvi_status tvi_options_resolve(tvi_options *options, const tvi_system *system, const char **why);
 
-/* Returns the stepper for resolved options. */
-const tvi_stepper *tvi_choose_stepper(const tvi_options *options);
+/* Returns the stepper for resolved options and the instruction set of the system's tapes. */
+const tvi_stepper *tvi_choose_stepper(const tvi_options *options, const tvi_system *system);
 
 /* Returns the options of the adjoint Phi*_h = (Phi_-h)^-1 of a method that has one. */
 tvi_options tvi_adjoint_options(const tvi_options *options);

@@ -61,7 +61,7 @@ static void allocate_energy_memory(tvi_integrator *integrator, tvi_arena *arena)
 static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
     tvi_integrator *integrator = tvi_arena_allocate(arena, sizeof *integrator);
-    const tvi_stepper *stepper = tvi_choose_stepper(options);
+    const tvi_stepper *stepper = tvi_choose_stepper(options, system);
     tvi_integrator laid = {.system = system, .options = *options, .stepper = stepper};
     laid.stepped = tvi_compiled_attach_to_copy(arena, system->stepped_system, options->compiled);
     /* The stepper's work keeps a pointer to the options, so they must be those of the integrator. */

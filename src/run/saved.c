@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { STATE_VERSION = 15 };
+enum { STATE_VERSION = 16 };
 
 static const char MAGIC[] = "tvistate";
 

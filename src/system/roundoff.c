@@ -11,6 +11,7 @@ enum { SAMPLES = TVI_ROUNDOFF_SAMPLES };
 void tvi_roundoff_allocate(tvi_roundoff_estimator *roundoff, tvi_arena *arena, const tvi_system *system)
 {
     const size_t slots = (size_t)system->field_series->slot_count;
+    roundoff->output_count = tvi_system_output_count(system);
     roundoff->output_roundoff = tvi_arena_allocate_doubles(arena, (size_t)tvi_system_output_count(system));
     roundoff->field_block = tvi_arena_allocate_block(arena, system->field_series, 1, 1, 0);
     roundoff->propagated_roundoff_of_slots = tvi_arena_allocate_doubles(arena, slots * SAMPLES);

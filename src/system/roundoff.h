@@ -7,8 +7,9 @@
 #include "system/system.h"
 
 /* The memory in which roundoff is estimated. */
-typedef struct {
-    double *output_roundoff; /* [outputs of the field] The estimate of the change of each output by roundoff. */
+typedef struct tvi_roundoff_estimator {
+    int output_count;        /* the number of outputs of the field */
+    double *output_roundoff; /* [output_count] The estimate of the change of each output by roundoff. */
     double *field_block;     /* The values of all slots of field_series at one point. */
     /* [slots][TVI_ROUNDOFF_SAMPLES] The changes of all slots by rounding errors, for each random choice of their
      * signs. */

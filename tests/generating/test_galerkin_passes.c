@@ -1,5 +1,5 @@
 /* test_galerkin_passes.c - Tests the Galerkin curve's predictor and its passes (docs/method.md sections 5 and 6). */
-#include "galerkin/step.h"
+#include "galerkin/galerkin.h"
 #include "generating.h"
 #include "models.h"
 #include "run/integrator.h"

@@ -1,7 +1,8 @@
 /* test_linear.c - Tests dense factors: small systems, which are solved without LAPACK, against LAPACK, and the
  * residuals of all, also of those that are the lanes of one. */
 #include "algebra/linear_small.h"
-#include "galerkin/model.h"
+#include "galerkin/galerkin.h"
+#include "loops.h"
 #include "suites.h"
 
 #include <check.h>
@@ -197,49 +198,34 @@ END_TEST
 
 /* ---- One matrix in each lane ------------------------------------------------------------------------------------- */
 
-enum { LANES = TVI_GALERKIN_MAX_LANES };
-static const int lane_counts[] = {1, 2, 4, 8, LANES};
-enum { LANE_COUNTS = sizeof lane_counts / sizeof *lane_counts };
-
-/* The loops of an instruction set for lane_counts[count] lanes; NULL: there are no more sets. */
-static const galerkin_kernels *loops_at(int i, int count)
-{
-#ifdef __x86_64__
-    if (i == 1 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
-        return tvi_galerkin_kernels_avx2[count];
-    if (i == 2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-        __builtin_cpu_supports("avx512vl"))
-        return tvi_galerkin_kernels_avx512[count];
-#endif
-    return i == 0 ? tvi_galerkin_kernels_base[count] : NULL;
-}
+enum { LANES = GALERKIN_MAX_LANES };
 
 typedef struct {
     double lu[MOST * MOST * LANES], inverse[MOST * MOST * LANES], x[MOST * LANES];
 } lanes_room;
 
-static lanes_matrix_inverse lanes_inverse_in(lanes_room *room, int n)
+static node_matrix lanes_inverse_in(lanes_room *room, int n)
 {
-    return (lanes_matrix_inverse){.n = n, .matrix = room->lu, .inverse = room->inverse, .scratch_column = room->x};
+    return (node_matrix){.n = n, .matrix = room->lu, .inverse = room->inverse, .column = room->x};
 }
 
-static void put_lane(const lanes_matrix_inverse *f, int lanes, int lane, const double A[])
+static void put_lane(const node_matrix *f, int lanes, int lane, const double A[])
 {
     for (int i = 0; i < f->n * f->n; i++) f->matrix[i * lanes + lane] = A[i];
 }
 
 /* As a pass of a Lagrangian inverts. */
-static bool invert_lanes(const galerkin_kernels *loops, const lanes_matrix_inverse *f, int lanes)
+static bool invert_each(const galerkin_loops *with, const node_matrix *f, int lanes)
 {
     open_factor x = open_of_size(f->n);
-    const bool is_regular = loops->invert(f) || tvi_galerkin_invert_with_row_exchanges(f, lanes, &x.factor);
+    const bool is_regular = with->invert(f, lanes) || tvi_galerkin_invert_by_exchanges(f, lanes, &x.factor);
     free(x.memory);
     return is_regular;
 }
 
 /* V = from + A^-1 ((P - p) - change), a matrix of its own in each lane: all with no need to exchange rows, or the last
  * of 16. */
-static void check_lanes(const galerkin_kernels *loops, lanes_matrix_inverse *f, int lanes, bool are_plain)
+static void check_lanes(const galerkin_loops *with, node_matrix *f, int lanes, bool are_plain)
 {
     const int n = f->n;
     static const double none[MOST * LANES];
@@ -251,16 +237,16 @@ static void check_lanes(const galerkin_kernels *loops, lanes_matrix_inverse *f, 
         put_lane(f, lanes, lane, A[lane]);
         for (int i = 0; i < n; i++) P[i * lanes + lane] = cos(1 + i + lane) * ldexp(1, 9 * i);
     }
-    ck_assert(invert_lanes(loops, f, lanes));
-    loops->correct_velocities(f, P, none, none, none, V);
+    ck_assert(invert_each(with, f, lanes));
+    with->correct_velocities(f, lanes, P, none, none, none, V);
     for (int lane = 0; lane < lanes; lane++) {
         double x[MOST], b[MOST];
         for (int i = 0; i < n; i++) x[i] = V[i * lanes + lane], b[i] = P[i * lanes + lane];
         check_residual(n, A[lane], false, x, b);
     }
-    loops->correct_velocities(f, none, P, none, V, back);
+    with->correct_velocities(f, lanes, none, P, none, V, back);
     for (int i = 0; i < n * lanes; i++) ck_assert_double_le(fabs(back[i]), DBL_EPSILON * fabs(V[i]));
-    loops->correct_velocities(f, P, none, P, V, back);
+    with->correct_velocities(f, lanes, P, none, P, V, back);
     for (int i = 0; i < n * lanes; i++) ck_assert(back[i] == V[i]);
 }
 
@@ -268,10 +254,11 @@ START_TEST(lanes_are_solved_alone)
 {
     const int n = 1 + _i / LANE_COUNTS, lanes = lane_counts[_i % LANE_COUNTS];
     static lanes_room room;
-    lanes_matrix_inverse f = lanes_inverse_in(&room, n);
-    const galerkin_kernels *loops;
-    for (int isa = 0; (loops = loops_at(isa, _i % LANE_COUNTS)); isa++)
-        for (int are_plain = 0; are_plain < 2; are_plain++) check_lanes(loops, &f, lanes, are_plain);
+    node_matrix f = lanes_inverse_in(&room, n);
+    const galerkin_loops *with;
+    for (int isa = 0; isa < JET_ISA_COUNT; isa++)
+        for (int are_plain = 0; are_plain < 2 && (with = loops_of(isa, _i % LANE_COUNTS)); are_plain++)
+            check_lanes(with, &f, lanes, are_plain);
 }
 END_TEST
 
@@ -280,7 +267,7 @@ START_TEST(singular_lanes_are_seen)
 {
     const int n = 1 + _i / LANE_COUNTS, lanes = lane_counts[_i % LANE_COUNTS];
     static lanes_room room;
-    lanes_matrix_inverse f = lanes_inverse_in(&room, n);
+    node_matrix f = lanes_inverse_in(&room, n);
     double regular[MOST * MOST], rank_one[MOST * MOST], zero[MOST * MOST] = {0}, broken[MOST * MOST];
     double endless[MOST * MOST];
     for (int i = 0; i < n * n; i++) {
@@ -290,11 +277,11 @@ START_TEST(singular_lanes_are_seen)
     broken[n * n - 1] = NAN;
     endless[n * n - 1] = INFINITY;
     const double *const bad[] = {regular, rank_one, zero, broken, endless};
-    const galerkin_kernels *loops;
-    for (int isa = 0; (loops = loops_at(isa, _i % LANE_COUNTS)); isa++)
-        for (int kind = 0; kind < 5; kind++) {
+    const galerkin_loops *with;
+    for (int isa = 0; isa < JET_ISA_COUNT; isa++)
+        for (int kind = 0; kind < 5 && (with = loops_of(isa, _i % LANE_COUNTS)); kind++) {
             for (int lane = 0; lane < lanes; lane++) put_lane(&f, lanes, lane, lane == lanes / 2 ? bad[kind] : regular);
-            ck_assert(invert_lanes(loops, &f, lanes) == (kind == 0));
+            ck_assert(invert_each(with, &f, lanes) == (kind == 0));
         }
 }
 END_TEST

@@ -1,6 +1,6 @@
 /* test_tail.c - Tests tvi_stats.tail: what it is, that it knows neither units nor an origin, that components which do
  * nothing do not raise it, and that it tells wrong steps from right ones. */
-#include "galerkin/loops.h"
+#include "loops.h"
 #include "problems/problems.h"
 #include "stability/cases.h"
 #include "suites.h"
@@ -362,19 +362,19 @@ START_TEST(component_that_does_little_has_a_part_of_its_tail)
     double scale[8], per_scale[8], zero[8] = {0}, p[8], last[8], share[8], ratio[8], tail;
     for (int i = 0; i < n; i++) scale[i] = per_scale[i] = p[i] = 1, last[i] = 1e-4;
     p[1] = 1e-3, last[1] = 5e-4;
-    const galerkin_tail_inputs of = {.n = n,
-                                     .is_separable = true,
-                                     .has_masses = true,
-                                     .subsystems = {1 + is_alone, member, end + !is_alone},
-                                     .impulse_sums_over_nodes = {.last_term = last, .end_impulse_size = zero},
-                                     .unknown_change_per_impulse = scale,
-                                     .inverse_unknown_change_per_impulse = per_scale,
-                                     .start_q = zero,
-                                     .start_p = p,
-                                     .momentum_increment = zero,
-                                     .component_share_of_subsystem_motion = share,
-                                     .component_tail_ratio = ratio};
-    tail = tvi_galerkin_kernels_base[0]->compute_tail(&of);
+    const galerkin_tail of = {.n = n,
+                              .is_separable = true,
+                              .has_masses = true,
+                              .subsystems = {1 + is_alone, member, end + !is_alone},
+                              .sums = {.last_term = last, .ends = zero},
+                              .scale = scale,
+                              .per_scale = per_scale,
+                              .q = zero,
+                              .p = p,
+                              .dp = zero,
+                              .share = share,
+                              .ratio = ratio};
+    tail = loops.compute_tail(&of);
     ck_assert_double_eq_tol(tail, is_alone ? 0.5 : 5e-3, 1e-15);
 }
 END_TEST

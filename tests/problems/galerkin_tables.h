@@ -2,21 +2,20 @@
 #ifndef TESTS_PROBLEMS_GALERKIN_TABLES_H
 #define TESTS_PROBLEMS_GALERKIN_TABLES_H
 
-#include "galerkin/coefficients.h"
+#include "galerkin/tables.h"
 
 #include <check.h>
 #include <stdlib.h>
 
 typedef struct {
     galerkin_coefficients of;
-    galerkin_node_polynomials dense;
+    galerkin_polynomials dense;
     void *memory;
 } galerkin_tables;
 
 static inline void galerkin_tables_take(galerkin_tables *tables, tvi_arena *arena, int points, int lanes)
 {
-    tvi_galerkin_allocate_node_polynomials(&tables->dense, arena, points, lanes, jet_choose_sweeps_for_processor());
-    tvi_galerkin_allocate_coefficients(&tables->of, arena, points, lanes);
+    tvi_galerkin_allocate_tables(&tables->of, &tables->dense, arena, points, lanes);
 }
 
 static inline void galerkin_tables_open(galerkin_tables *tables, int points, int lanes, bool is_second_order)
@@ -27,7 +26,7 @@ static inline void galerkin_tables_open(galerkin_tables *tables, int points, int
     tables->memory = tvi_arena_obtain_memory(&arena);
     ck_assert_ptr_nonnull(tables->memory);
     galerkin_tables_take(tables, &arena, points, lanes);
-    tvi_galerkin_compute_coefficients(&tables->of, &tables->dense, is_second_order);
+    tvi_galerkin_compute_tables(&tables->of, &tables->dense, is_second_order);
 }
 
 static inline void galerkin_tables_close(galerkin_tables *tables) { free(tables->memory); }

@@ -1,4 +1,4 @@
-/* test_passes.c - Tests that "galerkin" with second derivatives at the nodes (galerkin/hamiltonian.c) solves the
+/* test_passes.c - Tests that "galerkin" with second derivatives at the nodes (galerkin/hamiltonian_pass.h) solves the
  * equations that it solves without them, in fewer passes; and has them where they are cheap. */
 #include "rescaled.h"
 #include "hard.h"

@@ -1,0 +1,113 @@
+/* galerkin.h - Declares the stepper of the Galerkin curve: the step that it makes (steps.h), and what is computed once or
+ * seldom: tables, first predictions, the roundoff of a pass, and generated code. */
+#ifndef TVI_SRC_GALERKIN_GALERKIN_H
+#define TVI_SRC_GALERKIN_GALERKIN_H
+
+#include "galerkin/steps.h"
+#include "galerkin/tables.h"
+#include "method/stepper.h"
+#include "system/legendre.h"
+#include "system/roundoff.h"
+
+/* ---- The parts of a stepper -------------------------------------------------------------------------------------- */
+
+/* The history of the last two steps, from which the next one is predicted; the integrator's history has it, and the
+ * impulses. */
+typedef struct {
+    double last_h, previous_h; /* the sizes of the last step and of the one before it; 0 if there is none */
+    double last_t;             /* the time at which the last step began */
+    /* The convergence of the last step's passes, or of earlier ones if the last passes do not show it. */
+    galerkin_convergence convergence;
+    long ring_index; /* of the last step's impulses */
+} galerkin_history;
+
+/* Memory of the prediction (predictor.c). */
+typedef struct {
+    galerkin_history *history;
+    double *two_step_table, *last_step_table; /* [2][j][i] and [j][i] (galerkin_extrapolation) */
+    /* [j][lanes] The factors of the last step's impulses in the rates of a step that is `ratio` times as large and
+     * begins at the fraction `elapsed` of the last step. The ratio is 0 before the first computation. */
+    double *resized_table, ratio, elapsed;
+    double *rates;        /* [unknowns][lanes] the rates that resized_table gives */
+    double *zeros, *ones; /* [unknowns + lanes] */
+} galerkin_predictor;
+
+/* Memory for measuring the roundoff of a pass (probe.c). */
+typedef struct galerkin_probe {
+    tvi_roundoff_estimator roundoff;
+    int row_count; /* the number of rows of nodes.x that a pass reads */
+    /* [row_count][lanes] These rows before a pass, and after a pass from displaced unknowns. */
+    double *before, *displaced;
+    double *saved_drift_low, *saved_impulse; /* [unknowns][lanes] */
+} galerkin_probe;
+
+typedef struct {
+    const tvi_options *options;
+    int n;
+    galerkin_step step;
+    galerkin_coefficients coefficients;
+    galerkin_polynomials polynomials;
+    galerkin_predictor predictor;
+    galerkin_probe probe;
+    double *increment_scale; /* [2n] the factors of the sums of impulses in the increments of q and p */
+    double *rate_scale;      /* [unknowns] 1 / h, the factor of sums of impulses in predicted rates */
+    double *per_impulse;     /* [j][i] what the prediction computes per impulse: nu_ij, or rates, 1 / b_i if i = j */
+    double *tape_block;      /* the block of the field's values, whose inputs include the time */
+    /* The lists of the step, its field and its passes. */
+    int *rate_row, *slot[2], *unknown_of_row, *index_in_block, *row_end, *element_column, *element_slot;
+    tvi_legendre_transform legendre;               /* of a Lagrangian */
+    double *start_velocity;                        /* [n] of a Lagrangian: the velocity at the start of the step */
+    const galerkin_generated_code *generated_code; /* NULL: there is none */
+} galerkin_stepper;
+
+/* ---- galerkin.c -------------------------------------------------------------------------------------------------- */
+
+/* Sets the weights and scales of the nodes for the step size h. */
+void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h);
+/* The functions of nodes.h, ends.h and steps.h for the other files. tvi_galerkin_move moves the unknowns by the rates in
+ * the rows of nodes.x. */
+void tvi_galerkin_move(const galerkin_step *step);
+void tvi_galerkin_predict(const galerkin_step *step, const galerkin_extrapolation *by);
+tvi_status tvi_galerkin_make_pass(const galerkin_step *step, double *movement, galerkin_counts *counts);
+void tvi_galerkin_evaluate(const galerkin_points *at, const double *table, const double *L, double *out);
+
+/* ---- forms.c: the three forms of the equations ------------------------------------------------------------------- */
+
+/* Allocates what the form needs, after the nodes. */
+void tvi_galerkin_allocate_form(galerkin_stepper *stepper, tvi_arena *arena);
+/* Sets lists and pointers, after the coefficients are computed. */
+void tvi_galerkin_set_form(galerkin_stepper *stepper);
+/* Predicts the unknowns from the rates at the start of the step. */
+tvi_status tvi_galerkin_predict_from_start(galerkin_stepper *stepper, const tvi_step_origin *origin);
+/* Inverts the matrix of each lane by elimination with row exchanges; lu_factor is a tvi_lu_factor. Returns false if a
+ * matrix is singular or not finite. */
+bool tvi_galerkin_invert_by_exchanges(const node_matrix *matrix, int lanes, void *lu_factor);
+
+/* ---- predictor.c: the prediction from earlier steps (docs/method.md section 5) ----------------------------------- */
+
+void tvi_galerkin_allocate_predictor(galerkin_stepper *stepper, tvi_arena *arena);
+void tvi_galerkin_set_predictor(galerkin_stepper *stepper);
+/* Returns whether a step of size h from time t begins where the last step ended. */
+static inline bool galerkin_follows_last_step(const galerkin_history *history, double h, double t)
+{
+    return fabs(t - (history->last_t + history->last_h)) < GALERKIN_MAX_TIME_GAP * fabs(h);
+}
+/* Returns whether the last step can predict the next one, of size step.h from time t, because its nodes are near those
+ * of the last step. *elapsed is the fraction of the last step at which the new step begins: 1 for its end, 0 for its
+ * start. */
+bool tvi_galerkin_can_predict(const galerkin_stepper *stepper, double t, double *elapsed);
+/* Predicts the unknowns from the last step, which has another size or begins elsewhere. */
+void tvi_galerkin_predict_resized(galerkin_stepper *stepper, double elapsed);
+
+/* ---- probe.c: the rules that end passes, and the roundoff of a pass (docs/method.md section 5) ------------------- */
+
+/* Returns the rule that ends the passes of this system, with the user's options. */
+tvi_stopping_rule tvi_galerkin_passes_rule(const galerkin_stepper *stepper);
+void tvi_galerkin_allocate_probe(galerkin_stepper *stepper, tvi_arena *arena);
+
+/* ---- emit.c: generated code -------------------------------------------------------------------------------------- */
+
+/* Writes the steps of one system into generated code, after the sweeps of its tapes. */
+void tvi_galerkin_emit_steps(jet_text *text, const galerkin_stepper *stepper);
+
+#endif
