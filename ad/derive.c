@@ -18,7 +18,7 @@ typedef struct {
     int contribution_count, contribution_capacity;
     int *newest_contribution_index; /* [nodes] Index of the newest contribution to each node; -1: the node has none. */
     /* [scratch_contribution_capacity] Scratch for the contributions to one node. */
-    jet *scratch_contributions_to_one_node;
+    jet *scratch_contributions;
     int scratch_contribution_capacity;
     bool is_out_of_memory;
 } adjoint_lists;
@@ -46,21 +46,21 @@ static jet sum_adjoint_contributions(adjoint_lists *lists, int node_index)
     int count = 0;
     for (int i = lists->newest_contribution_index[node_index]; i >= 0; i = lists->contributions[i].next_index) count++;
     if (count > lists->scratch_contribution_capacity) {
-        jet *scratch_contributions_to_one_node = realloc(lists->scratch_contributions_to_one_node,
-                                                         (size_t)count * sizeof *scratch_contributions_to_one_node);
-        if (!scratch_contributions_to_one_node) {
+        jet *scratch_contributions =
+            realloc(lists->scratch_contributions, (size_t)count * sizeof *scratch_contributions);
+        if (!scratch_contributions) {
             lists->is_out_of_memory = true;
             return jet_const(0);
         }
-        lists->scratch_contributions_to_one_node = scratch_contributions_to_one_node;
+        lists->scratch_contributions = scratch_contributions;
         lists->scratch_contribution_capacity = count;
     }
     int free_index = count;
-    /* The loop above has counted the contributions, and scratch_contributions_to_one_node has room for all of them.
+    /* The loop above has counted the contributions, and scratch_contributions has room for all of them.
      * NOLINTNEXTLINE(clang-analyzer-core.NullDereference) */
     for (int i = lists->newest_contribution_index[node_index]; i >= 0; i = lists->contributions[i].next_index)
-        lists->scratch_contributions_to_one_node[--free_index] = lists->contributions[i].value;
-    const jet sum = jet_sum(lists->scratch_contributions_to_one_node, count);
+        lists->scratch_contributions[--free_index] = lists->contributions[i].value;
+    const jet sum = jet_sum(lists->scratch_contributions, count);
     /* If memory is lacking for the sum, it is a poison node whose index is TVI_ENOMEM. The whole gradient then fails,
      * even if this node depends on no input. */
     lists->is_out_of_memory |= sum.node && !sum.node->graph && sum.node->index == TVI_ENOMEM;
@@ -118,6 +118,6 @@ bool jet_record_gradient(jet_graph *graph, jet output, int input_count, jet grad
     }
     free(lists.contributions);
     free(lists.newest_contribution_index);
-    free(lists.scratch_contributions_to_one_node);
+    free(lists.scratch_contributions);
     return !lists.is_out_of_memory;
 }

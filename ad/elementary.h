@@ -120,9 +120,9 @@ JET_INLINE void jet_apply_to_one_native_vector(jet_vector_function *vector_funct
 
 /* Computes the function for those of the first numbers, at most `count` and at most one vector, that are in the range.
  * The results of all other numbers stay as they were; in the vector, 1 takes the place of these numbers. */
-JET_INLINE void jet_apply_to_vector_where_in_range(jet_vector_function *vector_function, double exponent,
-                                                   jet_argument_magnitude_range range, int count,
-                                                   const double *argument, double *result)
+JET_INLINE void jet_apply_where_in_range(jet_vector_function *vector_function, double exponent,
+                                         jet_argument_magnitude_range range, int count, const double *argument,
+                                         double *result)
 {
     double x[JET_NATIVE], z[JET_NATIVE];
     bool is_in[JET_NATIVE], any = false;
@@ -139,36 +139,32 @@ JET_INLINE void jet_apply_to_vector_where_in_range(jet_vector_function *vector_f
 
 /* Computes the function for numbers of every size: by the vector function in the two ranges, and by the scalar function
  * elsewhere. */
-JET_INLINE void jet_apply_vector_in_ranges_else_scalar(jet_vector_function *vector_function,
-                                                       jet_scalar_function *scalar_function,
-                                                       jet_argument_magnitude_range near_zero,
-                                                       jet_argument_magnitude_range far_from_zero, double exponent,
-                                                       int count, const double *argument, double *result)
+JET_INLINE void jet_apply_in_any_range(jet_vector_function *vector_function, jet_scalar_function *scalar_function,
+                                       jet_argument_magnitude_range near_zero,
+                                       jet_argument_magnitude_range far_from_zero, double exponent, int count,
+                                       const double *argument, double *result)
 {
     const bool is_served = jet_sleef_serves_rounding_mode();
     for (int i = 0; i < count; i++)
         if (!is_served || (!jet_is_in_range(near_zero, argument[i]) && !jet_is_in_range(far_from_zero, argument[i])))
             result[i] = scalar_function(exponent, argument[i]);
     for (int here = 0; is_served && here < count; here += JET_NATIVE) {
-        jet_apply_to_vector_where_in_range(vector_function, exponent, near_zero, count - here, argument + here,
-                                           result + here);
-        jet_apply_to_vector_where_in_range(vector_function, exponent, far_from_zero, count - here, argument + here,
-                                           result + here);
+        jet_apply_where_in_range(vector_function, exponent, near_zero, count - here, argument + here, result + here);
+        jet_apply_where_in_range(vector_function, exponent, far_from_zero, count - here, argument + here,
+                                 result + here);
     }
 }
 
 /* Computes the function for `count` numbers, of which the caller knows that all are in the known range. The vector
  * function is used for all of them. The range serves to fill up the last vector. */
-JET_INLINE void jet_apply_to_numbers_known_in_range(jet_vector_function *vector_function,
-                                                    jet_argument_magnitude_range known_range, double exponent,
-                                                    int count, const double *argument, double *result)
+JET_INLINE void jet_apply_all_in_range(jet_vector_function *vector_function, jet_argument_magnitude_range known_range,
+                                       double exponent, int count, const double *argument, double *result)
 {
     int here = 0;
     for (; here + JET_NATIVE <= count; here += JET_NATIVE)
         jet_apply_to_one_native_vector(vector_function, exponent, argument + here, result + here);
     if (here < count)
-        jet_apply_to_vector_where_in_range(vector_function, exponent, known_range, count - here, argument + here,
-                                           result + here);
+        jet_apply_where_in_range(vector_function, exponent, known_range, count - here, argument + here, result + here);
 }
 
 /* Defines the function jet_array_NAME. It is inlined for numbers that are all in the range near 0; the code for
@@ -176,8 +172,8 @@ JET_INLINE void jet_apply_to_numbers_known_in_range(jet_vector_function *vector_
 #define JET_ALL_OF(name, near_zero, far_from_zero, exponent, parameters)                                               \
     JET_APART void jet_any_range_##name parameters                                                                     \
     {                                                                                                                  \
-        jet_apply_vector_in_ranges_else_scalar(jet_vector_##name, jet_scalar_##name, near_zero, far_from_zero,         \
-                                               exponent, count, argument, result);                                     \
+        jet_apply_in_any_range(jet_vector_##name, jet_scalar_##name, near_zero, far_from_zero, exponent, count,        \
+                               argument, result);                                                                      \
     }                                                                                                                  \
     JET_INLINE void jet_array_##name parameters
 
@@ -196,7 +192,7 @@ JET_INLINE void jet_apply_to_numbers_known_in_range(jet_vector_function *vector_
     JET_ALL_OF(name, near_zero, far_from_zero, 0, (int count, const double *argument, double *restrict result))        \
     {                                                                                                                  \
         if (jet_are_all_in_range(near_zero, count, argument))                                                          \
-            jet_apply_to_numbers_known_in_range(jet_vector_##name, near_zero, 0, count, argument, result);             \
+            jet_apply_all_in_range(jet_vector_##name, near_zero, 0, count, argument, result);                          \
         else jet_any_range_##name(count, argument, result);                                                            \
     }
 JET_ELEMENTARY_LIST(JET_ALL)
@@ -219,7 +215,7 @@ JET_ALL_OF(pow, jet_sleef_pow_base_range(exponent), jet_nowhere, exponent,
 {
     const jet_argument_magnitude_range near_zero = jet_sleef_pow_base_range(exponent);
     if (jet_are_all_in_range(near_zero, count, argument))
-        jet_apply_to_numbers_known_in_range(jet_vector_pow, near_zero, exponent, count, argument, result);
+        jet_apply_all_in_range(jet_vector_pow, near_zero, exponent, count, argument, result);
     else jet_any_range_pow(exponent, count, argument, result);
 }
 

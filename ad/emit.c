@@ -100,7 +100,7 @@ static void emit_run_macro_call(const tape_emitter *emitter, const jet_run_of_op
 }
 
 /* Writes the macro T_RUNS (emitted.h). */
-static void emit_macro_that_lists_all_runs(const tape_emitter *emitter)
+static void emit_run_list_macro(const tape_emitter *emitter)
 {
     const jet_run_of_operations *const begin = emitter->tape->runs, *const end = begin + emitter->tape->run_count;
     jet_text_append(emitter->text, "#define %s_RUNS(RULE, PRODUCTS, LINEAR)", emitter->request->name_prefix);
@@ -116,7 +116,7 @@ static void emit_value_function(const tape_emitter *emitter, int lanes)
     const char *name = emitter->request->name_prefix;
     const bool fits = lanes <= REGISTER_LANES_MAX;
     if (emitter->is_each_run_one_operation && !fits)
-        jet_text_append(emitter->text, "JET_GENERATED_VALUES_IN_REGISTERS(%s, %d)\n", name, lanes);
+        jet_text_append(emitter->text, "JET_VALUES_IN_REGISTERS(%s, %d)\n", name, lanes);
     else
         jet_text_append(emitter->text, "JET_GENERATED_VALUES(%s, %d, %s)\n", name, lanes,
                         emitter->tape_operation_count <= (fits ? EMIT_MAX_INLINED_IN_REGISTER : EMIT_MAX_INLINED)
@@ -175,13 +175,13 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_requ
                                                 ? JET_SPLIT_SUMS
                                                 : JET_SPLIT_NONE;
     jet_tape split;
-    if (!jet_split_runs_into_single_operations(&split, tape, runs_to_split)) {
+    if (!jet_tape_split_runs(&split, tape, runs_to_split)) {
         text->is_incomplete = true;
         return;
     }
     const tape_emitter emitter = {text, &split, request, operation_count, is_each_run_one_operation};
     emit_tape_arrays(&emitter);
-    emit_macro_that_lists_all_runs(&emitter);
+    emit_run_list_macro(&emitter);
     emit_value_functions(&emitter);
     if (request->value_lane_counts[0] > 0) emit_values_sweep(&emitter);
     if (request->needs_series_sweep) emit_series_sweep(&emitter);

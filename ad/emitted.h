@@ -84,7 +84,7 @@
 #define IN_REGISTERS(T)                                                                                                \
     for (int here = 0; here < lanes; here += 2) IN_A_REGISTER(jet_v2, T)
 #endif
-#define JET_GENERATED_VALUES_IN_REGISTERS(T, LANES)                                                                    \
+#define JET_VALUES_IN_REGISTERS(T, LANES)                                                                              \
     NEVER bool T##_values_##LANES(double *x)                                                                           \
     {                                                                                                                  \
         enum { lanes = LANES };                                                                                        \

@@ -15,9 +15,9 @@ struct jet_graph {
     bool is_open;
     const char *output_name; /* Name of the outputs, for the texts of refusals. */
     /* Name of the operations that the library records itself; NULL: there are none. */
-    const char *name_of_nodes_added_by_library;
-    int index_of_first_node_added_by_library; /* Index of the first operation that the library records itself. */
-    bool is_out_of_memory; /* An operation could not be stored. All outputs are refused from then on. */
+    const char *library_nodes_name;
+    int first_library_node; /* Index of the first operation that the library records itself. */
+    bool is_out_of_memory;  /* An operation could not be stored. All outputs are refused from then on. */
     int input_count, parameter_count, count, capacity;
     /* Pointers to chunks of CHUNK nodes each. Nodes never move, so that jets may point to them. */
     struct jet_node **nodes;
@@ -83,17 +83,17 @@ int jet_graph_node_count(const jet_graph *graph) { return graph->count; }
 jet jet_graph_input(const jet_graph *graph, int i) { return jet_from_node(jet_graph_node_at(graph, i)); }
 long jet_graph_hash_collision_count(const jet_graph *graph) { return graph->collision_count; }
 void jet_graph_end_recording(jet_graph *graph) { graph->is_open = false; }
-void jet_graph_set_output_name_for_messages(jet_graph *graph, const char *name) { graph->output_name = name; }
-void jet_graph_begin_nodes_added_by_library(jet_graph *graph, const char *name_for_messages)
+void jet_graph_set_output_name(jet_graph *graph, const char *name) { graph->output_name = name; }
+void jet_graph_begin_library_nodes(jet_graph *graph, const char *name_for_messages)
 {
-    graph->index_of_first_node_added_by_library = graph->count;
-    graph->name_of_nodes_added_by_library = name_for_messages;
+    graph->first_library_node = graph->count;
+    graph->library_nodes_name = name_for_messages;
 }
 
-const char *jet_graph_name_of_nodes_added_by_library(const jet_graph *graph, int *first_node_index)
+const char *jet_graph_library_nodes_name(const jet_graph *graph, int *first_node_index)
 {
-    *first_node_index = graph->index_of_first_node_added_by_library;
-    return graph->name_of_nodes_added_by_library;
+    *first_node_index = graph->first_library_node;
+    return graph->library_nodes_name;
 }
 
 void jet_graph_mark_out_of_memory(jet_graph *graph) { graph->is_out_of_memory = true; }

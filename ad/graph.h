@@ -103,13 +103,13 @@ jet_graph *jet_graph_create(int input_count);
 /* Closes the graph. */
 void jet_graph_end_recording(jet_graph *graph);
 /* Sets the name of the outputs in texts of refusals. The name must be static. */
-void jet_graph_set_output_name_for_messages(jet_graph *graph, const char *name);
+void jet_graph_set_output_name(jet_graph *graph, const char *name);
 /* Begins the operations that the library records itself, such as the energy of a Lagrangian, after those of the user.
  * Texts of refusals call them name_for_messages, which must be static. */
-void jet_graph_begin_nodes_added_by_library(jet_graph *graph, const char *name_for_messages);
+void jet_graph_begin_library_nodes(jet_graph *graph, const char *name_for_messages);
 /* Returns the name of the operations that the library records itself, and in *first_node_index the index of the first
  * of them. Returns NULL if there are none. */
-const char *jet_graph_name_of_nodes_added_by_library(const jet_graph *graph, int *first_node_index);
+const char *jet_graph_library_nodes_name(const jet_graph *graph, int *first_node_index);
 void jet_graph_free(jet_graph *graph);
 
 /* Returns the node that equals `wanted`, and records it if there is none. The graph then owns the terms of `wanted`.

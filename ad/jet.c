@@ -195,23 +195,23 @@ jet jet_record_pow(jet a, double c)
     return jet_graph_record_node(graph, (struct jet_node){.op = OP_POW, .a = a.node, .number = c});
 }
 
-static jet record_node_and_its_auxiliary_node(jet_graph *graph, jet_op op, struct jet_node *a, struct jet_node *b);
+static jet record_with_auxiliary(jet_graph *graph, jet_op op, struct jet_node *a, struct jet_node *b);
 
 static const double TWO_BY_ROOT_PI = 1.1283791670955126;
 
 /* Records the auxiliary node w, whose series the recurrence of z needs (jet_op in graph.h). */
-static jet record_auxiliary_node_for_series_of(jet_graph *graph, struct jet_node *z)
+static jet record_auxiliary_node(jet_graph *graph, struct jet_node *z)
 {
     const jet a = jet_from_node(z->a);
     switch (z->op) {
     case OP_EXP: return jet_from_node(z);
-    case OP_SIN: return record_node_and_its_auxiliary_node(graph, OP_COS, z->a, NULL);
-    case OP_COS: return record_node_and_its_auxiliary_node(graph, OP_SIN, z->a, NULL);
-    case OP_SINH: return record_node_and_its_auxiliary_node(graph, OP_COSH, z->a, NULL);
-    case OP_COSH: return record_node_and_its_auxiliary_node(graph, OP_SINH, z->a, NULL);
+    case OP_SIN: return record_with_auxiliary(graph, OP_COS, z->a, NULL);
+    case OP_COS: return record_with_auxiliary(graph, OP_SIN, z->a, NULL);
+    case OP_SINH: return record_with_auxiliary(graph, OP_COSH, z->a, NULL);
+    case OP_COSH: return record_with_auxiliary(graph, OP_SINH, z->a, NULL);
     case OP_TAN: return jet_add(1, jet_sqr(jet_from_node(z)));
-    case OP_TANH: return record_node_and_its_auxiliary_node(graph, OP_SECH2, z->a, NULL);
-    case OP_SECH2: return record_node_and_its_auxiliary_node(graph, OP_TANH, z->a, NULL);
+    case OP_TANH: return record_with_auxiliary(graph, OP_SECH2, z->a, NULL);
+    case OP_SECH2: return record_with_auxiliary(graph, OP_TANH, z->a, NULL);
     case OP_ERF: return jet_mul(TWO_BY_ROOT_PI, jet_exp(jet_neg(jet_sqr(a))));
     case OP_LOG: return a;
     case OP_ASIN:
@@ -220,18 +220,18 @@ static jet record_auxiliary_node_for_series_of(jet_graph *graph, struct jet_node
     case OP_ASINH: return jet_sqrt(jet_add(1, jet_sqr(a)));
     case OP_ACOSH: return jet_sqrt(jet_mul(jet_sub(a, 1), jet_add(a, 1)));
     case OP_ATANH: return jet_mul(jet_sub(1, a), jet_add(1, a));
-    case OP_ATAN2: return record_node_and_its_auxiliary_node(graph, OP_RADIUS, z->a, z->b);
+    case OP_ATAN2: return record_with_auxiliary(graph, OP_RADIUS, z->a, z->b);
     default: return jet_const(0); /* The recurrence has no auxiliary series. */
     }
 }
 
-static jet record_node_and_its_auxiliary_node(jet_graph *graph, jet_op op, struct jet_node *a, struct jet_node *b)
+static jet record_with_auxiliary(jet_graph *graph, jet_op op, struct jet_node *a, struct jet_node *b)
 {
     bool is_new;
     struct jet_node *z = jet_graph_find_or_record(graph, (struct jet_node){.op = op, .a = a, .b = b}, &is_new);
     if (!z) return jet_make_poison(JET_NO_MEMORY);
     if (is_new) {
-        const jet w = record_auxiliary_node_for_series_of(graph, z);
+        const jet w = record_auxiliary_node(graph, z);
         if (jet_is_poison(w)) return w;
         z->w = w.node;
         for (int i = z->index + 1; i < jet_graph_node_count(graph); i++) jet_graph_node_at(graph, i)->owner = z;
@@ -246,11 +246,11 @@ jet jet_record_operation(jet_op op, jet a, jet b)
     const jet refused = jet_find_common_graph_or_poison(operands, (const jet[]){a, b}, &graph);
     if (refused.node) return refused;
     if (!graph) return fold_constant_operation(op, 0, a.number, b.number);
-    if (operands == 1) return record_node_and_its_auxiliary_node(graph, op, a.node, NULL);
+    if (operands == 1) return record_with_auxiliary(graph, op, a.node, NULL);
     if (!a.node) a = jet_graph_record_constant(graph, a.number);
     if (!b.node) b = jet_graph_record_constant(graph, b.number);
     if (jet_is_poison(a) || jet_is_poison(b)) return jet_make_poison(JET_NO_MEMORY);
-    return record_node_and_its_auxiliary_node(graph, op, a.node, b.node);
+    return record_with_auxiliary(graph, op, a.node, b.node);
 }
 
 jet jet_record_function(jet_function f, jet a)

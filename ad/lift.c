@@ -9,11 +9,11 @@
 typedef struct {
     const jet_graph *source;
     jet_graph *target;
-    const jet *parameter_direction; /* Direction of each parameter; NULL: all are 0. */
-    bool *is_node_needed;           /* [nodes] Tells whether an output depends on the node of `source`. */
-    jet *value, *derivative;        /* [nodes] Value and derivative of each node of `source`, as jets of `target`. */
-    jet *scratch_jets_of_sum_terms; /* Scratch: the operands of a sum, then its constant term. */
-    double *scratch_coefficients_of_sum_terms; /* Scratch: the coefficients of a sum, then 1 for its constant term. */
+    const jet *parameter_direction;    /* Direction of each parameter; NULL: all are 0. */
+    bool *is_node_needed;              /* [nodes] Tells whether an output depends on the node of `source`. */
+    jet *value, *derivative;           /* [nodes] Value and derivative of each node of `source`, as jets of `target`. */
+    jet *scratch_term_jets;            /* Scratch: the operands of a sum, then its constant term. */
+    double *scratch_term_coefficients; /* Scratch: the coefficients of a sum, then 1 for its constant term. */
 } forward_recording;
 
 static void mark_needed_nodes(forward_recording *recording, int node_count, int output_count, const jet output[])
@@ -34,13 +34,13 @@ static jet record_sum_with_given_operands(const forward_recording *recording, co
                                           const jet operand_jets[], double constant_term)
 {
     for (int term = 0; term < z->count; term++) {
-        recording->scratch_coefficients_of_sum_terms[term] = z->terms[term].coefficient;
-        recording->scratch_jets_of_sum_terms[term] = operand_jets[z->terms[term].node->index];
+        recording->scratch_term_coefficients[term] = z->terms[term].coefficient;
+        recording->scratch_term_jets[term] = operand_jets[z->terms[term].node->index];
     }
-    recording->scratch_coefficients_of_sum_terms[z->count] = 1;
-    recording->scratch_jets_of_sum_terms[z->count] = jet_const(constant_term);
-    return jet_record_linear_combination(z->count + 1, recording->scratch_coefficients_of_sum_terms,
-                                         recording->scratch_jets_of_sum_terms);
+    recording->scratch_term_coefficients[z->count] = 1;
+    recording->scratch_term_jets[z->count] = jet_const(constant_term);
+    return jet_record_linear_combination(z->count + 1, recording->scratch_term_coefficients,
+                                         recording->scratch_term_jets);
 }
 
 static jet record_primal_node(const forward_recording *recording, const struct jet_node *z)
@@ -91,11 +91,10 @@ static bool allocate_forward_recording(forward_recording *recording, int node_co
     recording->is_node_needed = calloc(nodes, sizeof *recording->is_node_needed);
     recording->value = calloc(nodes, sizeof *recording->value);
     recording->derivative = calloc(nodes, sizeof *recording->derivative);
-    recording->scratch_jets_of_sum_terms = calloc(most_terms, sizeof *recording->scratch_jets_of_sum_terms);
-    recording->scratch_coefficients_of_sum_terms =
-        calloc(most_terms, sizeof *recording->scratch_coefficients_of_sum_terms);
-    return recording->is_node_needed && recording->value && recording->derivative &&
-           recording->scratch_jets_of_sum_terms && recording->scratch_coefficients_of_sum_terms;
+    recording->scratch_term_jets = calloc(most_terms, sizeof *recording->scratch_term_jets);
+    recording->scratch_term_coefficients = calloc(most_terms, sizeof *recording->scratch_term_coefficients);
+    return recording->is_node_needed && recording->value && recording->derivative && recording->scratch_term_jets &&
+           recording->scratch_term_coefficients;
 }
 
 static void record_values_and_derivatives(forward_recording *recording, int node_count, const jet input[],
@@ -128,7 +127,7 @@ bool jet_record_forward_derivatives(const jet_graph *source, jet_graph *target, 
     free(recording.is_node_needed);
     free(recording.value);
     free(recording.derivative);
-    free(recording.scratch_jets_of_sum_terms);
-    free(recording.scratch_coefficients_of_sum_terms);
+    free(recording.scratch_term_jets);
+    free(recording.scratch_term_coefficients);
     return allocated;
 }

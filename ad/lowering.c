@@ -73,7 +73,7 @@ static const struct jet_node *find_operand_node(const graph_lowering *lowering, 
 {
     const struct jet_node *read = sum_term(z, pair_index).node;
     if (factor_index == 0 || (read->op == OP_SQR && z->op == OP_PRODUCTS)) return read->a;
-    return needs_same_taylor_order_of_auxiliary_series(lowering, read) ? read->w : read->b;
+    return reads_auxiliary_at_same_order(lowering, read) ? read->w : read->b;
 }
 
 /* Chooses the operations of all needed nodes. Products that become terms of a sum of products are no longer needed
@@ -142,7 +142,7 @@ static void set_adjacency_class_if_unset(const graph_lowering *lowering, const s
  * it first, its number is its position among the terms of that sum. As an example, let x, y and z be the components of
  * the distances of many pairs of bodies; they are squared and summed, and each is multiplied by a function of its pair.
  * Then all x form one class, all y the next, and all z the third. */
-static void assign_adjacency_classes_by_operand_use(graph_lowering *lowering, tape_placement *level[], int count)
+static void assign_adjacency_classes(graph_lowering *lowering, tape_placement *level[], int count)
 {
     for (int i = 0; i < count; i++) {
         tape_placement *z = level[i];
@@ -178,7 +178,7 @@ static int compare_term_coefficients(const tape_placement *x, const tape_placeme
 
 /* Compares two nodes of a level for sorting. A group consists of the nodes that can be operations of one run, if their
  * operands are adjacent; the result is 0 for two nodes of one group. */
-static int compare_by_operation_and_coefficients(const tape_placement *x, const tape_placement *y)
+static int compare_run_groups(const tape_placement *x, const tape_placement *y)
 {
     if (x->op != y->op) return (int)x->op - (int)y->op;
     /* Sums of equally many terms are sorted together. */
@@ -193,7 +193,7 @@ static int compare_by_operation_and_coefficients(const tape_placement *x, const 
 static int compare_by_first_operand(const void *first, const void *second)
 {
     const tape_placement *x = *(tape_placement *const *)first, *y = *(tape_placement *const *)second;
-    const int group = compare_by_operation_and_coefficients(x, y);
+    const int group = compare_run_groups(x, y);
     if (group) return group;
     if (x->level > 0 && x->adjacency_class != y->adjacency_class) return x->adjacency_class - y->adjacency_class;
     if (x->operand_pair_count == 0)
@@ -230,8 +230,7 @@ static bool are_operands_adjacent(const graph_lowering *lowering, tape_placement
 }
 
 /* Tells whether the operations of each adjacency class in the group read adjacent slots. */
-static bool does_each_adjacency_class_read_adjacent_slots(const graph_lowering *lowering, tape_placement *const group[],
-                                                          int count)
+static bool are_class_operands_adjacent(const graph_lowering *lowering, tape_placement *const group[], int count)
 {
     for (int begin = 0, end = 0; begin < count; begin = end) {
         while (end < count && group[end]->adjacency_class == group[begin]->adjacency_class) end++;
@@ -264,7 +263,7 @@ static void copy_operands_to_adjacent_slots(graph_lowering *lowering, tape_place
  * operand, and the other operand is copied to adjacent slots. */
 static void make_group_operands_adjacent(graph_lowering *lowering, tape_placement *group[], int count)
 {
-    if (does_each_adjacency_class_read_adjacent_slots(lowering, group, count)) return;
+    if (are_class_operands_adjacent(lowering, group, count)) return;
     if (!are_operands_adjacent(lowering, group, count, 0, 0) && !are_operands_adjacent(lowering, group, count, 0, 1))
         qsort(group, (size_t)count, sizeof *group, compare_by_second_operand);
     for (int pair_index = 0; pair_index < group[0]->operand_pair_count; pair_index++)
@@ -273,11 +272,11 @@ static void make_group_operands_adjacent(graph_lowering *lowering, tape_placemen
 }
 
 /* Returns the end of the group that begins with level[group_begin]. A group consists of the nodes that can be
- * operations of one run (compare_by_operation_and_coefficients). */
-static int find_end_of_group_for_one_run(tape_placement *const level[], int group_begin, int level_count)
+ * operations of one run (compare_run_groups). */
+static int find_group_end(tape_placement *const level[], int group_begin, int level_count)
 {
     int end = group_begin + 1;
-    while (end < level_count && compare_by_operation_and_coefficients(level[group_begin], level[end]) == 0) end++;
+    while (end < level_count && compare_run_groups(level[group_begin], level[end]) == 0) end++;
     return end;
 }
 
@@ -293,7 +292,7 @@ static void assign_slots_of_level(graph_lowering *lowering, tape_placement *leve
     for (int i = 0; i < count; i++)
         if (level[i]->operand_pair_count == 0) assign_next_slot(lowering, level[i]);
     for (int begin = 0, end = 0; begin < count; begin = end) {
-        end = find_end_of_group_for_one_run(level, begin, count);
+        end = find_group_end(level, begin, count);
         if (level[begin]->operand_pair_count > 0) make_group_operands_adjacent(lowering, level + begin, end - begin);
     }
     for (int i = 0; i < count; i++)
@@ -317,7 +316,7 @@ static void assign_slots_by_level(graph_lowering *lowering)
 {
     qsort(lowering->nodes_by_level, (size_t)lowering->needed_node_count, sizeof *lowering->nodes_by_level,
           compare_by_level);
-    call_for_each_level(lowering, assign_adjacency_classes_by_operand_use);
+    call_for_each_level(lowering, assign_adjacency_classes);
     call_for_each_level(lowering, assign_slots_of_level);
 }
 

@@ -12,7 +12,7 @@ typedef struct {
     const struct jet_node *node; /* The node; NULL: a copy of the slot operand[0][0]. */
     jet_op op;                   /* The operation that computes the node on the tape. */
     int level; /* 0 for inputs and constants, otherwise one more than the highest level of an operand. */
-    /* Operations of one class in a level are placed one after the other (assign_adjacency_classes_by_operand_use). */
+    /* Operations of one class in a level are placed one after the other (assign_adjacency_classes). */
     int adjacency_class;
     int one_based_output_index; /* 1, 2, ... in the order of the outputs; 0: the node is no output. */
     int slot;
@@ -50,7 +50,7 @@ static inline bool must_compute_auxiliary_series(const graph_lowering *lowering,
 }
 
 /* Tells whether order k of z is computed from order k of its auxiliary series. */
-static inline bool needs_same_taylor_order_of_auxiliary_series(const graph_lowering *lowering, const struct jet_node *z)
+static inline bool reads_auxiliary_at_same_order(const graph_lowering *lowering, const struct jet_node *z)
 {
     return must_compute_auxiliary_series(lowering, z) && jet_rules[z->op]->auxiliary_series_orders_read == W_SAME;
 }

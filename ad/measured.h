@@ -226,10 +226,10 @@
 #define GUARD_MAX_ENERGY_CHANGE 0.05
 /* [1], [passes] Steps with at most these tails and passes are accepted without a check of the energy. They were right
  * in all runs of docs/stability.md (make stability). The passes of methods with series contract faster. */
-#define GUARD_UNCHECKED_MAX_TAIL          1e-3 /* The energy of Galerkin steps is unchecked up to this tail. */
-#define GUARD_UNCHECKED_MAX_SERIES_TAIL   1e-4 /* The energy of steps with series is unchecked up to this tail. */
-#define GUARD_UNCHECKED_MAX_PASSES        32   /* The energy of Galerkin steps is unchecked up to this many passes. */
-#define GUARD_UNCHECKED_MAX_SERIES_PASSES 4    /* The energy of series' steps is unchecked up to this many passes. */
+#define GUARD_UNCHECKED_TAIL          1e-3 /* The energy of Galerkin steps is unchecked up to this tail. */
+#define GUARD_UNCHECKED_SERIES_TAIL   1e-4 /* The energy of steps with series is unchecked up to this tail. */
+#define GUARD_UNCHECKED_PASSES        32   /* The energy of Galerkin steps is unchecked up to this many passes. */
+#define GUARD_UNCHECKED_SERIES_PASSES 4    /* The energy of series' steps is unchecked up to this many passes. */
 /* [1] A change of the energy is roundoff if it is below this part of |H| plus the sum of |q dp/dt| and |p dq/dt|. */
 #define GUARD_ENERGY_ROUNDOFF (64 * DBL_EPSILON)
 /* [1] The change of an energy that is nearly 0, such as K = g (H + e), is compared with p.dq/dt instead of the

@@ -52,7 +52,7 @@ static double value_of_operand_outside_domain(const jet_run_of_operations *run, 
     return block[((run->op == OP_DIV ? run->b : run->a) + operation) * lanes + lane];
 }
 
-bool jet_set_error_text_of_failed_sweep(const jet_tape *tape, double *block, int lanes)
+bool jet_explain_failed_sweep(const jet_tape *tape, double *block, int lanes)
 {
     double z;
     /* Generated code does not store the values of all slots; the interpreter therefore computes all of them again. */
@@ -64,16 +64,15 @@ bool jet_set_error_text_of_failed_sweep(const jet_tape *tape, double *block, int
         for (int i = 0; i < run->operation_count * lanes; i++) {
             if (jet_rules[run->op]->compute_values(run->exponent, 1, a + i, b + i, &z)) continue;
             const int operation = i / lanes;
-            const bool is_part = tape->name_of_operations_added_by_library &&
-                                 tape->recorded_operation_number_of_slot[run->z + operation] >=
-                                     tape->first_operation_number_added_by_library;
+            const bool is_part = tape->library_operations_name &&
+                                 tape->operation_number_of_slot[run->z + operation] >= tape->first_library_operation;
             const jet_op owner = tape->owner_of_slot[run->z + operation];
             (void)jet_refuse(TVI_EDOMAIN, "%s%sjet_%s%s%s has no power series at %g: operation %d of the recording",
-                             is_part ? tape->name_of_operations_added_by_library : "", is_part ? ": " : "",
+                             is_part ? tape->library_operations_name : "", is_part ? ": " : "",
                              operation_names[run->op], owner ? " in the derivatives of jet_" : "",
                              owner ? operation_names[owner] : "",
                              value_of_operand_outside_domain(run, block, lanes, operation, i % lanes),
-                             tape->recorded_operation_number_of_slot[run->z + operation]);
+                             tape->operation_number_of_slot[run->z + operation]);
             return false;
         }
     }

@@ -109,7 +109,7 @@ JET_RULE_LIST(JET_DECLARE_RULE)
 
 /* Returns the run for a block of one lane that covers all operations and lanes of a run in a block of several lanes.
  * Both runs cover the same consecutive numbers. */
-JET_INLINE jet_run_of_operations jet_make_run_with_lanes_as_operations(const jet_run_of_operations *run, int lanes)
+JET_INLINE jet_run_of_operations jet_flatten_run_lanes(const jet_run_of_operations *run, int lanes)
 {
     return (jet_run_of_operations){.op = run->op,
                                    .operation_count = run->operation_count * lanes,

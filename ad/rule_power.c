@@ -91,8 +91,7 @@ static bool are_all_nonzero(int width, const double *a)
 
 /* Computes z = a^(-minus_exponent_in_halves / 2) for an odd number that the compiler knows, as the potential of gravity
  * and its derivatives need it. Returns whether all numbers a are positive. */
-JET_INLINE bool compute_negative_half_integer_power(int minus_exponent_in_halves, int width, const double *a,
-                                                    double *restrict z)
+JET_INLINE bool compute_inverse_half_power(int minus_exponent_in_halves, int width, const double *a, double *restrict z)
 {
     JET_IN_VECTORS
     for (int w = 0; w < width; w++) {
@@ -113,7 +112,7 @@ JET_INLINE bool compute_general_power(double exponent, int width, const double *
 
 /* Computes z = a^exponent for an exponent that the compiler does not know. The function is not inlined, so that its
  * caller need not save registers for a call of pow. */
-JET_APART bool compute_power_of_runtime_exponent(double exponent, int width, const double *a, double *restrict z)
+JET_APART bool compute_power_out_of_line(double exponent, int width, const double *a, double *restrict z)
 {
     return compute_general_power(exponent, width, a, z);
 }
@@ -121,12 +120,12 @@ JET_APART bool compute_power_of_runtime_exponent(double exponent, int width, con
 static bool evaluate_pow(double exponent, int width, const double *a, const double *b, double *restrict z)
 {
     (void)b;
-    return exponent == -0.5      ? compute_negative_half_integer_power(1, width, a, z)
-           : exponent == -1.5    ? compute_negative_half_integer_power(3, width, a, z)
-           : exponent == -2.5    ? compute_negative_half_integer_power(5, width, a, z)
-           : exponent == -3.5    ? compute_negative_half_integer_power(7, width, a, z)
+    return exponent == -0.5      ? compute_inverse_half_power(1, width, a, z)
+           : exponent == -1.5    ? compute_inverse_half_power(3, width, a, z)
+           : exponent == -2.5    ? compute_inverse_half_power(5, width, a, z)
+           : exponent == -3.5    ? compute_inverse_half_power(7, width, a, z)
            : JET_KNOWS(exponent) ? compute_general_power(exponent, width, a, z)
-                                 : compute_power_of_runtime_exponent(exponent, width, a, z);
+                                 : compute_power_out_of_line(exponent, width, a, z);
 }
 
 /* The series rule computes z_k:

@@ -18,7 +18,7 @@ typedef enum {
 /* Makes a tape with the same slots, whose runs are split. The new tape owns only its runs and their terms, which
  * jet_free_split_tape frees; all other arrays belong to `tape`. Returns false if memory is lacking; nothing is to be
  * freed then. */
-bool jet_split_runs_into_single_operations(jet_tape *split, const jet_tape *tape, jet_runs_to_split runs_to_split);
+bool jet_tape_split_runs(jet_tape *split, const jet_tape *tape, jet_runs_to_split runs_to_split);
 void jet_free_split_tape(jet_tape *split);
 
 /* Returns the slot of the given operand of an operation of the run; -1: the operation has fewer operands. Operations
@@ -28,6 +28,6 @@ int jet_operation_operand_slot(const jet_tape *tape, const jet_run_of_operations
 
 /* Finds the slots that depend on given inputs or constants, for which the caller has set is_dependent. A computed slot
  * is dependent if one of its operands is. */
-void jet_tape_propagate_slot_dependence(const jet_tape *tape, bool is_dependent[]);
+void jet_tape_mark_dependents(const jet_tape *tape, bool is_dependent[]);
 
 #endif

@@ -89,8 +89,7 @@ JET_INLINE void compute_sums_without_constants(const jet_tape *tape, const jet_r
 TABLE(sums_any, compute_sums_without_constants,
       (const jet_tape *tape, const jet_run_of_operations *run, double *block, int lanes), tape, run, block, lanes)
 
-void jet_compute_sums_without_constants(const jet_tape *tape, const jet_run_of_operations *run, double *block,
-                                        int lanes)
+void jet_compute_linear_part(const jet_tape *tape, const jet_run_of_operations *run, double *block, int lanes)
 {
     if (lanes == 1) FUNCTION(sums_one, run)(tape, run, block);
     else if (lanes == 8) FUNCTION(sums_eight, run)(tape, run, block);
@@ -119,7 +118,7 @@ void jet_compute_linear_values(const jet_tape *tape, const jet_run_of_operations
     if (run->has_nonzero_constant_terms && lanes > 8) {
         FUNCTION(sums_with_constants, run)(tape, run, block, lanes);
     } else {
-        jet_compute_sums_without_constants(tape, run, block, lanes);
+        jet_compute_linear_part(tape, run, block, lanes);
         add_constant_terms(tape, run, block, lanes);
     }
 }

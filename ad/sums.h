@@ -8,12 +8,10 @@
 #include "tape.h"
 
 /* Compute the LINEAR operations of a run; `block` is that part of a block that holds one order.
- * jet_compute_linear_values is for order 0, and adds the constant terms. jet_compute_sums_without_constants is for
- * order k >= 1 of a series, and for every order of a tangent. jet_add_linear_adjoints is for every order of the
- * adjoints. */
+ * jet_compute_linear_values is for order 0, and adds the constant terms. jet_compute_linear_part is for order k >= 1 of
+ * a series, and for every order of a tangent. jet_add_linear_adjoints is for every order of the adjoints. */
 void jet_compute_linear_values(const jet_tape *tape, const jet_run_of_operations *run, double *block, int lanes);
-void jet_compute_sums_without_constants(const jet_tape *tape, const jet_run_of_operations *run, double *block,
-                                        int lanes);
+void jet_compute_linear_part(const jet_tape *tape, const jet_run_of_operations *run, double *block, int lanes);
 void jet_add_linear_adjoints(const jet_tape *tape, const jet_run_of_operations *run, double *adjoints);
 
 /* Compute the PRODUCTS or SQUARES operations of a run, as the sweeps of values, series, tangents and adjoints need

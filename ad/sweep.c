@@ -40,7 +40,7 @@ JET_INLINE bool sweep_series_inlined(const jet_tape *tape, double *block, int or
     for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++) {
         if (jet_is_sum_of_products(run->op)) jet_compute_product_series_order(tape, run, block, order, lanes);
         else if (run->op == OP_LINEAR)
-            jet_compute_sums_without_constants(tape, run, block + (size_t)order * stride * (size_t)lanes, lanes);
+            jet_compute_linear_part(tape, run, block + (size_t)order * stride * (size_t)lanes, lanes);
         else jet_rules[run->op]->compute_series_order(run, block, order, stride, lanes);
     }
     return true;
@@ -59,8 +59,8 @@ static void sweep_tangents(const jet_tape *tape, const double *block, double *ta
         if (jet_is_sum_of_products(run->op))
             jet_compute_product_tangents(tape, run, block, tangent_block, order, 1, direction_count);
         else if (run->op == OP_LINEAR)
-            jet_compute_sums_without_constants(
-                tape, run, tangent_block + (size_t)order * stride * (size_t)direction_count, direction_count);
+            jet_compute_linear_part(tape, run, tangent_block + (size_t)order * stride * (size_t)direction_count,
+                                    direction_count);
         else jet_rules[run->op]->compute_tangents(run, block, tangent_block, order, stride, direction_count);
     }
 }
@@ -73,9 +73,9 @@ static void sweep_one_tangent_per_lane(const jet_tape *tape, const double *block
         if (jet_is_sum_of_products(run->op))
             jet_compute_product_tangents(tape, run, block, tangent_block, order, lanes, lanes);
         else if (run->op == OP_LINEAR)
-            jet_compute_sums_without_constants(tape, run, tangent_block + (size_t)order * stride, lanes);
+            jet_compute_linear_part(tape, run, tangent_block + (size_t)order * stride, lanes);
         else {
-            const jet_run_of_operations all = jet_make_run_with_lanes_as_operations(run, lanes);
+            const jet_run_of_operations all = jet_flatten_run_lanes(run, lanes);
             jet_rules[run->op]->compute_tangents(&all, block, tangent_block, order, stride, 1);
         }
     }

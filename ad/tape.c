@@ -19,8 +19,7 @@ static void append_tape_term(jet_tape *tape, double coefficient, int slot_a, int
 
 /* Makes a LINEAR run of one operation, and appends its constant term and its terms to the tape. A copy is a sum of
  * one term. */
-static jet_run_of_operations make_run_of_one_linear_sum(const graph_lowering *lowering, jet_tape *tape,
-                                                        const tape_placement *z)
+static jet_run_of_operations make_linear_run(const graph_lowering *lowering, jet_tape *tape, const tape_placement *z)
 {
     const int terms = z->node ? z->node->count : 1;
     const double number = z->node ? z->node->number : 0;
@@ -50,7 +49,7 @@ static bool try_joining_linear_run(jet_run_of_operations *run, const jet_run_of_
 
 /* Makes a run of one sum of products, and appends its terms to the tape. try_joining_product_run removes these terms
  * again if the operation joins the last run, whose terms it shares. */
-static jet_run_of_operations make_run_of_one_product_sum(jet_tape *tape, const tape_placement *z)
+static jet_run_of_operations make_product_run(jet_tape *tape, const tape_placement *z)
 {
     const jet_run_of_operations run = {z->op, 1, z->slot, .term_count = z->operand_pair_count,
                                        .first_term_index = tape->term_count};
@@ -75,13 +74,12 @@ static bool try_joining_product_run(jet_tape *tape, const jet_run_of_operations 
 
 /* Makes a run of one operation that has a rule. The member w of the run is the slot of the auxiliary series. Such a
  * series that is read at the order that is being computed is the second operand of the placement. */
-static jet_run_of_operations make_run_of_one_elementary_operation(const graph_lowering *lowering,
-                                                                  const tape_placement *z)
+static jet_run_of_operations make_elementary_run(const graph_lowering *lowering, const tape_placement *z)
 {
     const int *operand = z->operand[0];
     jet_run_of_operations run = {z->op, 1, z->slot, operand[0], operand[1], .exponent = z->node->number};
     if (must_compute_auxiliary_series(lowering, z->node)) run.w = node_slot(lowering, z->node->w);
-    if (needs_same_taylor_order_of_auxiliary_series(lowering, z->node)) {
+    if (reads_auxiliary_at_same_order(lowering, z->node)) {
         run.b = 0;
         run.w = operand[1];
     }
@@ -113,10 +111,9 @@ static bool try_joining_last_run(const graph_lowering *lowering, jet_tape *tape,
 /* Appends an operation to the last run, or as a run of its own. */
 static void append_operation(const graph_lowering *lowering, jet_tape *tape, const tape_placement *z)
 {
-    const jet_run_of_operations next = z->op == OP_LINEAR ? make_run_of_one_linear_sum(lowering, tape, z)
-                                       : jet_is_sum_of_products(z->op)
-                                           ? make_run_of_one_product_sum(tape, z)
-                                           : make_run_of_one_elementary_operation(lowering, z);
+    const jet_run_of_operations next = z->op == OP_LINEAR              ? make_linear_run(lowering, tape, z)
+                                       : jet_is_sum_of_products(z->op) ? make_product_run(tape, z)
+                                                                       : make_elementary_run(lowering, z);
     if (!try_joining_last_run(lowering, tape, &next)) tape->runs[tape->run_count++] = next;
 }
 
@@ -132,8 +129,7 @@ static void lay_out_runs_and_constants(graph_lowering *lowering, jet_tape *tape)
     for (int i = 0; i < lowering->slot_count; i++) {
         const tape_placement *z = lowering->nodes_by_slot[i];
         const struct jet_node *named = z->node && z->node->owner ? z->node->owner : z->node;
-        tape->recorded_operation_number_of_slot[i] =
-            named ? named->index + 1 - jet_graph_input_count(lowering->graph) : 0;
+        tape->operation_number_of_slot[i] = named ? named->index + 1 - jet_graph_input_count(lowering->graph) : 0;
         tape->owner_of_slot[i] = named != z->node ? named->op : OP_INPUT;
         if (z->op == OP_INPUT) tape->input_count++;
         else if (z->op == OP_CONST || z->op == OP_PARAMETER) append_constant(tape, z);
@@ -160,12 +156,12 @@ static bool allocate_lowering_and_tape(graph_lowering *lowering, jet_tape *tape,
     tape->term_slot_b = calloc(pairs + copies, sizeof *tape->term_slot_b);
     tape->term_coefficient = calloc(pairs + copies, sizeof *tape->term_coefficient);
     tape->output_slot = calloc((size_t)output_count + 1, sizeof *tape->output_slot);
-    tape->recorded_operation_number_of_slot = calloc(nodes + copies, sizeof *tape->recorded_operation_number_of_slot);
+    tape->operation_number_of_slot = calloc(nodes + copies, sizeof *tape->operation_number_of_slot);
     tape->owner_of_slot = calloc(nodes + copies, sizeof *tape->owner_of_slot);
     return lowering->is_node_needed && lowering->use_counts && lowering->placements && lowering->nodes_by_level &&
            lowering->nodes_by_slot && lowering->operands && tape->runs && tape->constant_values && tape->parameters &&
            tape->constant_terms && tape->term_slot && tape->term_slot_b && tape->term_coefficient &&
-           tape->output_slot && tape->recorded_operation_number_of_slot && tape->owner_of_slot;
+           tape->output_slot && tape->operation_number_of_slot && tape->owner_of_slot;
 }
 
 /* Lowers the graph to the tape, whose arrays are allocated. */
@@ -174,9 +170,8 @@ static void lower_graph_to_tape(graph_lowering *lowering, jet_tape *tape, int in
 {
     jet_assign_slots(lowering, input_count, output_count, output);
     lay_out_runs_and_constants(lowering, tape);
-    tape->name_of_operations_added_by_library =
-        jet_graph_name_of_nodes_added_by_library(lowering->graph, &tape->first_operation_number_added_by_library);
-    tape->first_operation_number_added_by_library += 1 - jet_graph_input_count(lowering->graph);
+    tape->library_operations_name = jet_graph_library_nodes_name(lowering->graph, &tape->first_library_operation);
+    tape->first_library_operation += 1 - jet_graph_input_count(lowering->graph);
     tape->slot_count = lowering->slot_count;
     tape->output_count = output_count;
     tape->used_node_count = lowering->used_node_count;

@@ -67,16 +67,15 @@ typedef struct {
     double *term_coefficient;     /* [term_count] The coefficient of each term of a sum or of a sum of products. */
     int *output_slot;             /* [output_count] The slot of each output of the tape. */
     /* [slot_count] Number of the operation in the order of recording, from 1 on; 0 for copies, negative for inputs. */
-    int *recorded_operation_number_of_slot;
+    int *operation_number_of_slot;
     /* [slot_count] For an operation that another one needs (jet_node.owner), the operation of the user's that needs it,
      * whose number the slot then has; OP_INPUT for all others. */
     jet_op *owner_of_slot;
-    /* Name of the operations that the library recorded itself (jet_graph_begin_nodes_added_by_library); NULL: there are
-     * none. */
-    const char *name_of_operations_added_by_library;
+    /* Name of the operations that the library recorded itself (jet_graph_begin_library_nodes); NULL: there are none. */
+    const char *library_operations_name;
     /* The number, in the order of recording, of the first operation that the library and not the user's function
-     * recorded. A refusal names it by name_of_operations_added_by_library. */
-    int first_operation_number_added_by_library;
+     * recorded. A refusal names it by library_operations_name. */
+    int first_library_operation;
 } jet_tape;
 
 /* Creates a tape that computes the outputs, which have passed jet_graph_check_outputs. The first `input_count` inputs
@@ -100,7 +99,7 @@ uint64_t jet_tape_continue_hash(uint64_t hash, const jet_tape *tape);
 
 /* Prepares a block, once, before its first sweep: sets the constants, and the inputs to 0. All other slots are NaN
  * until a sweep computes them, so that a number that was read too early shows. */
-void jet_tape_reset_block_and_set_constants(const jet_tape *tape, double *block, int order_count, int lanes);
+void jet_tape_prepare_block(const jet_tape *tape, double *block, int order_count, int lanes);
 
 /* Sets parameter i in a prepared block to the row value[i][values_per_parameter], for i < parameter_count. A row with
  * fewer values than lanes is repeated over the lanes. Other parameters stay as they are. */
@@ -133,13 +132,13 @@ const jet_sweeps *jet_choose_sweeps_for_processor(void);
 
 /* Computes the values of a block, for which a sweep has failed, once more. Sets the text of the refusal (refusal.h): it
  * names the first operation that is outside its domain. Returns false. */
-bool jet_set_error_text_of_failed_sweep(const jet_tape *tape, double *block, int lanes);
+bool jet_explain_failed_sweep(const jet_tape *tape, double *block, int lanes);
 
 /* Computes the values of all slots, which are their coefficients of order 0, from those of the inputs. Returns false
  * if an operation is outside its domain. */
 static inline bool jet_sweep_values(const jet_tape *tape, double *block, int lanes)
 {
-    return tape->sweeps->values(tape, block, lanes) || jet_set_error_text_of_failed_sweep(tape, block, lanes);
+    return tape->sweeps->values(tape, block, lanes) || jet_explain_failed_sweep(tape, block, lanes);
 }
 
 /* Computes values[slot_count] at one point in long double from the inputs and the constants of a block. They are NaN if
@@ -151,7 +150,7 @@ void jet_sweep_long_double_values(const jet_tape *tape, const double *block, lon
  * thus O(N^2). Returns false if an operation is outside its domain, at order 0. */
 static inline bool jet_sweep_series(const jet_tape *tape, double *series, int order, int lanes)
 {
-    return tape->sweeps->series(tape, series, order, lanes) || jet_set_error_text_of_failed_sweep(tape, series, lanes);
+    return tape->sweeps->series(tape, series, order, lanes) || jet_explain_failed_sweep(tape, series, lanes);
 }
 
 /* Computes the tangents of one order along a series of one lane, with one direction for each lane of `tangents`,

@@ -28,13 +28,13 @@ static void list_tape_arrays(const jet_tape *tape, tape_array list[TAPE_ARRAYS])
         {tape->term_slot_b, terms * sizeof *tape->term_slot_b},
         {tape->term_coefficient, terms * sizeof *tape->term_coefficient},
         {tape->output_slot, (size_t)tape->output_count * sizeof *tape->output_slot},
-        {tape->recorded_operation_number_of_slot, 0},
+        {tape->operation_number_of_slot, 0},
         {tape->owner_of_slot, 0},
     };
     memcpy(list, all, sizeof all);
 }
 
-void jet_tape_reset_block_and_set_constants(const jet_tape *tape, double *block, int order_count, int lanes)
+void jet_tape_prepare_block(const jet_tape *tape, double *block, int order_count, int lanes)
 {
     const size_t given = (size_t)(tape->input_count + tape->constant_count) * (size_t)lanes;
     const size_t all = (size_t)tape->slot_count * (size_t)lanes;

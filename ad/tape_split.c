@@ -68,7 +68,7 @@ int jet_operation_operand_slot(const jet_tape *tape, const jet_run_of_operations
     return slot_shift + (k < reads ? tape->term_slot[term] : tape->term_slot_b[term]);
 }
 
-void jet_tape_propagate_slot_dependence(const jet_tape *tape, bool is_dependent[])
+void jet_tape_mark_dependents(const jet_tape *tape, bool is_dependent[])
 {
     for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++)
         for (int i = 0; i < run->operation_count; i++) {
@@ -80,7 +80,7 @@ void jet_tape_propagate_slot_dependence(const jet_tape *tape, bool is_dependent[
 
 /* Tells whether the operation of reading_slot reads newest_slot, whose operation was appended last, and all its
  * operands are on the new tape. */
-static bool is_newest_slot_last_missing_operand(const run_splitting *splitting, int reading_slot, int newest_slot)
+static bool is_slot_ready_after(const run_splitting *splitting, int reading_slot, int newest_slot)
 {
     const jet_run_of_operations *run = splitting->producing_run[reading_slot];
     bool reads = false;
@@ -103,7 +103,7 @@ static void append_operation_with_dependents(const run_splitting *splitting, int
     append_split_run(splitting, run, slot - run->z, 1);
     splitting->producing_run[slot] = NULL;
     for (int next = 0; next < splitting->tape->slot_count; next++)
-        if (splitting->producing_run[next] && is_newest_slot_last_missing_operand(splitting, next, slot))
+        if (splitting->producing_run[next] && is_slot_ready_after(splitting, next, slot))
             append_operation_with_dependents(splitting, next);
 }
 
@@ -126,7 +126,7 @@ void jet_free_split_tape(jet_tape *split)
     free(split->term_coefficient);
 }
 
-bool jet_split_runs_into_single_operations(jet_tape *split, const jet_tape *tape, jet_runs_to_split runs_to_split)
+bool jet_tape_split_runs(jet_tape *split, const jet_tape *tape, jet_runs_to_split runs_to_split)
 {
     size_t terms = 1;
     for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++)

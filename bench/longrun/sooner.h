@@ -14,11 +14,11 @@ extern _Thread_local bool passes_end_sooner;
 static inline tvi_passes_verdict judge_sooner(tvi_convergence_test *passes, const tvi_stopping_rule *rule, double size)
 {
     const double before = passes->size;
-    const tvi_passes_verdict verdict = tvi_convergence_test_add_pass(passes, rule, size);
+    const tvi_passes_verdict verdict = tvi_convergence_add_pass(passes, rule, size);
     if (!passes_end_sooner) return verdict;
     return size == 0 || (size >= before && size <= SOONER_SMALL * rule->roundoff_level) ? TVI_PASSES_MAY_END
                                                                                         : TVI_PASSES_GO_ON;
 }
-#define tvi_convergence_test_add_pass judge_sooner
+#define tvi_convergence_add_pass judge_sooner
 
 #endif

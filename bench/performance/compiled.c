@@ -262,9 +262,9 @@ static void write_series(FILE *table, const experiment *e, const scene *s, const
     tvi_compiled *code = experiment_compile(e, system, &options);
     tvi_arena arena = {0};
     (void)tvi_compiled_attach_to_copy(&arena, system, code);
-    char *memory = arena.memory = aligned_alloc(ARENA_ALIGNMENT, arena.bytes_not_kept_between_steps);
+    char *memory = arena.memory = aligned_alloc(ARENA_ALIGNMENT, arena.bytes_outside_history);
     if (!memory) abort();
-    arena.bytes_not_kept_between_steps = 0;
+    arena.bytes_outside_history = 0;
     const tvi_system *clothed = tvi_compiled_attach_to_copy(&arena, system, code);
     open_curve *tape = curve_open(system, DEGREE, s->q, s->p, h), *own = curve_open(clothed, DEGREE, s->q, s->p, h);
     x = (hand){.code = widest_by_hand(), .is_kepler = s == &scene_kepler, .tau = tape->tau};

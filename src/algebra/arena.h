@@ -32,7 +32,7 @@ typedef struct {
     char *memory, *history, *uncopied_history;
     /* The numbers of bytes that are allocated so far outside of the history, in the copied history, and in the uncopied
      * history. */
-    size_t bytes_not_kept_between_steps, copied_history_bytes, uncopied_history_bytes;
+    size_t bytes_outside_history, copied_history_bytes, uncopied_history_bytes;
     /* The first of the blocks that were allocated in this arena; they form a list (block.h). */
     const tvi_tape_block *first_tape_block;
 } tvi_arena;
@@ -57,7 +57,7 @@ static inline size_t tvi_arena_round_up(size_t bytes, size_t alignment)
 }
 
 /* Returns the size of both parts of the history in bytes. */
-static inline size_t tvi_arena_bytes_kept_between_steps(const tvi_arena *arena)
+static inline size_t tvi_arena_history_bytes(const tvi_arena *arena)
 {
     return tvi_arena_round_up(arena->copied_history_bytes, ARENA_ALIGNMENT) + arena->uncopied_history_bytes;
 }
@@ -65,7 +65,7 @@ static inline size_t tvi_arena_bytes_kept_between_steps(const tvi_arena *arena)
  * step. */
 static inline size_t tvi_arena_total_bytes(const tvi_arena *arena)
 {
-    return arena->bytes_not_kept_between_steps + tvi_arena_bytes_kept_between_steps(arena) +
+    return arena->bytes_outside_history + tvi_arena_history_bytes(arena) +
            tvi_arena_round_up(arena->copied_history_bytes, ARENA_ALIGNMENT);
 }
 
@@ -77,7 +77,7 @@ static inline void *tvi_arena_obtain_memory(tvi_arena *arena)
     char *memory = aligned_alloc(ARENA_ALIGNMENT, bytes);
     if (!memory) return NULL;
     memset(memory, 0, bytes);
-    char *const history = memory + arena->bytes_not_kept_between_steps;
+    char *const history = memory + arena->bytes_outside_history;
     char *const uncopied_history = history + tvi_arena_round_up(arena->copied_history_bytes, ARENA_ALIGNMENT);
     *arena = (tvi_arena){.memory = memory, .history = history, .uncopied_history = uncopied_history};
     return memory;
@@ -97,17 +97,17 @@ static inline void *tvi_arena_reserve_piece(char *region, size_t *used, size_t b
 /* Allocates an array of this size outside of the history. */
 static inline void *tvi_arena_allocate(tvi_arena *arena, size_t bytes)
 {
-    return tvi_arena_reserve_piece(arena->memory, &arena->bytes_not_kept_between_steps, bytes, ARENA_ALIGNMENT);
+    return tvi_arena_reserve_piece(arena->memory, &arena->bytes_outside_history, bytes, ARENA_ALIGNMENT);
 }
 
 /* Allocates an array of this size in the copied history. */
-static inline void *tvi_arena_allocate_restored_if_step_fails(tvi_arena *arena, size_t bytes)
+static inline void *tvi_arena_allocate_copied(tvi_arena *arena, size_t bytes)
 {
     return tvi_arena_reserve_piece(arena->history, &arena->copied_history_bytes, bytes, ARENA_COPIED_ALIGNMENT);
 }
 
 /* Allocates an array of this size in the uncopied history. */
-static inline void *tvi_arena_allocate_kept_even_if_step_fails(tvi_arena *arena, size_t bytes)
+static inline void *tvi_arena_allocate_uncopied(tvi_arena *arena, size_t bytes)
 {
     return tvi_arena_reserve_piece(arena->uncopied_history, &arena->uncopied_history_bytes, bytes, ARENA_ALIGNMENT);
 }
@@ -120,8 +120,7 @@ static inline double *tvi_arena_allocate_doubles(tvi_arena *arena, size_t count)
 
 /* Copies a whole history, or clears it if from_or_null is NULL. It does not use memcpy if there are gaps, since the
  * address sanitizer would report that memcpy accesses them. */
-ARENA_NO_SANITIZER static inline void tvi_arena_copy_or_clear_with_sanitizer_gaps(char *to, const char *from_or_null,
-                                                                                  size_t bytes)
+ARENA_NO_SANITIZER static inline void tvi_arena_copy_history(char *to, const char *from_or_null, size_t bytes)
 {
 #ifdef ARENA_HAS_GAPS
     for (size_t i = 0; i < bytes; i++) ((volatile char *)to)[i] = from_or_null ? from_or_null[i] : 0;

@@ -27,13 +27,13 @@ void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n)
 tvi_status tvi_factor_compute(tvi_lu_factor *factor)
 {
     const int n = factor->n;
-    if (n <= LINEAR_OWN_MAX_ROWS) return linear_small_equilibrate_and_factor(n, factor);
+    if (n <= LINEAR_OWN_MAX_ROWS) return linear_small_compute(n, factor);
     int info = 0;
     if (!tvi_all_finite(n * n, factor->lu)) return TVI_ENONFINITE;
     linear_equilibrate_matrix(n, factor);
     /* dgetf2 has one thread for any size, so that results do not depend on the number of threads. */
     (n < LAPACK_THREADED_MIN_ROWS ? dgetrf_ : dgetf2_)(&n, &n, factor->lu, &n, factor->pivot, &info);
-    return linear_check_pivots_and_choose_refinement(n, info == 0, factor);
+    return linear_finish_factor(n, info == 0, factor);
 }
 
 double tvi_factor_least_pivot(const tvi_lu_factor *factor) { return linear_least_pivot(factor->n, factor); }

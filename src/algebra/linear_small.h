@@ -142,7 +142,7 @@ JET_INLINE double linear_least_pivot(int n, const tvi_lu_factor *factor)
 
 /* Ends the factorisation of a scaled matrix by its pivots: decides whether solutions are refined, and returns
  * TVI_ESINGULAR if the factorisation failed or a pivot is at the level of roundoff. */
-JET_INLINE tvi_status linear_check_pivots_and_choose_refinement(int n, bool is_factored, tvi_lu_factor *factor)
+JET_INLINE tvi_status linear_finish_factor(int n, bool is_factored, tvi_lu_factor *factor)
 {
     factor->uses_refinement = factor->uses_refinement && linear_has_row_exchanges(n, factor);
     return is_factored && linear_least_pivot(n, factor) > n * DBL_EPSILON ? TVI_OK : TVI_ESINGULAR;
@@ -157,8 +157,7 @@ JET_INLINE void linear_scale_components(int n, const double scale[], double x[])
 /* Computes factor->residual, the residual of the solution for factor->right_side, for one step of iterative refinement.
  * If rows of different units were exchanged, the step removes the roundoff of large unknowns from small ones (Skeel,
  * Math. Comp. 35, 1980). */
-JET_INLINE void linear_compute_residual_inside_factor(int n, const tvi_lu_factor *factor, bool transposed,
-                                                      const double solution[])
+JET_INLINE void linear_compute_residual(int n, const tvi_lu_factor *factor, bool transposed, const double solution[])
 {
     const int row_stride = transposed ? 1 : n, column_stride = transposed ? n : 1;
     for (int i = 0; i < n; i++) {
@@ -180,7 +179,7 @@ JET_INLINE void linear_solve_scaled(int n, const tvi_lu_factor *factor, bool tra
     if (factor->uses_refinement) memcpy(factor->right_side, x, (size_t)n * sizeof *x);
     solve_factored(n, factor, transposed, x);
     if (factor->uses_refinement) {
-        linear_compute_residual_inside_factor(n, factor, transposed, x);
+        linear_compute_residual(n, factor, transposed, x);
         solve_factored(n, factor, transposed, factor->residual);
         for (int i = 0; i < n; i++) x[i] += factor->residual[i];
     }
@@ -189,12 +188,12 @@ JET_INLINE void linear_solve_scaled(int n, const tvi_lu_factor *factor, bool tra
 
 /* ---- Factors of small sizes -------------------------------------------------------------------------------------- */
 
-JET_INLINE tvi_status linear_small_equilibrate_and_factor(int n, tvi_lu_factor *factor)
+JET_INLINE tvi_status linear_small_compute(int n, tvi_lu_factor *factor)
 {
     if (!tvi_all_finite(n * n, factor->lu)) return TVI_ENONFINITE;
     linear_equilibrate_matrix(n, factor);
     linear_small_factor(n, factor->lu, factor->pivot);
-    return linear_check_pivots_and_choose_refinement(n, true, factor);
+    return linear_finish_factor(n, true, factor);
 }
 
 /* Computes x <- (R A C)^-1 x, or x <- (R A C)^-T x if `transposed`. linear_small_factor reads the row-major matrix R A

@@ -23,12 +23,12 @@ typedef struct {
     double roundoff_level;
     /* If the ratio of corrections is at least this, it is not trusted: the next correction is expected to be as large
      * as the last one. */
-    double max_trusted_contraction_ratio;
+    double max_trusted_ratio;
     /* The passes are stuck, that is, their corrections no longer shrink, if the ratio of corrections is above this. */
-    double stall_contraction_ratio;
+    double stall_ratio;
     /* The number of earlier corrections with which a correction is compared, to tell whether the passes are stuck: 1,
      * or 2 if small and large corrections may alternate. With 2, the passes are stuck only if the correction also
-     * exceeds stall_contraction_ratio^2 times the correction two passes before. */
+     * exceeds stall_ratio^2 times the correction two passes before. */
     int stall_comparison_lag;
     /* The next ratio is expected to be the square of the last one, as in Newton's method. */
     bool is_convergence_quadratic;
@@ -55,7 +55,7 @@ typedef struct {
     double expected_next_size; /* The size that the next correction is expected to have. */
     /* The factor by which `ratio` may grow from this pass to the next. expected_next_size contains this factor. It is
      * more than 1 only for Newton's method (generating/newton.h). */
-    double contraction_ratio_growth;
+    double ratio_growth;
     double roundoff; /* Corrections up to this size are measured to be roundoff; 0: nothing was measured. */
 } tvi_convergence_test;
 
@@ -68,8 +68,8 @@ typedef struct {
  * significant ones, and their growth does not make the passes stuck. After a single correction the rate is unknown. If
  * three corrections at the roundoff level have the same size, the unknowns alternate between values that differ in
  * their last bits, and the pass may be the last one. */
-static inline bool tvi_add_correction_and_check_convergence(tvi_convergence_test *test, const tvi_stopping_rule *rule,
-                                                            double correction_size, bool *is_stalled)
+static inline bool tvi_convergence_add_correction(tvi_convergence_test *test, const tvi_stopping_rule *rule,
+                                                  double correction_size, bool *is_stalled)
 {
     const double before = test->size, earlier = test->previous_size;
     const int count = ++test->count;
@@ -81,11 +81,11 @@ static inline bool tvi_add_correction_and_check_convergence(tvi_convergence_test
         test->slowest_ratio = is_significant ? slower : test->slowest_ratio;
     }
     const double slowest_ratio = test->slowest_ratio;
-    const bool is_ratio_trusted = slowest_ratio > 0 && rule->max_trusted_contraction_ratio > slowest_ratio;
+    const bool is_ratio_trusted = slowest_ratio > 0 && rule->max_trusted_ratio > slowest_ratio;
     const double expected_ratio = is_ratio_trusted ? slowest_ratio : 1,
                  expected_size = expected_ratio * test->size_without_roundoff;
     const double without_roundoff = is_significant ? correction_size : tvi_smaller(correction_size, expected_size),
-                 expected_next_size = test->contraction_ratio_growth * expected_ratio * without_roundoff;
+                 expected_next_size = test->ratio_growth * expected_ratio * without_roundoff;
     test->size_two_passes_before = earlier;
     test->previous_size = before;
     test->size = correction_size;
@@ -94,8 +94,7 @@ static inline bool tvi_add_correction_and_check_convergence(tvi_convergence_test
     *is_stalled = false;
     if (rule->exact_passes > 0) return count == rule->exact_passes;
     if (count > rule->stall_comparison_lag) {
-        const double least = rule->stall_contraction_ratio * before,
-                     least_of_two = rule->stall_contraction_ratio * rule->stall_contraction_ratio * earlier;
+        const double least = rule->stall_ratio * before, least_of_two = rule->stall_ratio * rule->stall_ratio * earlier;
         const bool grows = correction_size > (rule->stall_comparison_lag > 1 ? tvi_larger(least, least_of_two) : least);
         *is_stalled = grows && (is_significant || !is_ratio_trusted);
     }
@@ -104,32 +103,31 @@ static inline bool tvi_add_correction_and_check_convergence(tvi_convergence_test
     return test->expected_next_size <= rule->correction_goal || correction_size <= test->roundoff || is_cycle;
 }
 
-/* Begins an iteration. `earlier_slowest_contraction_ratio` is the slowest ratio of successive corrections in an earlier
- * iteration, or 0 if it is unknown. The fields are set one by one, since compilers would clear the structure by an
- * instruction that starts slowly. */
-static inline void tvi_convergence_test_begin_iteration(tvi_convergence_test *test,
-                                                        double earlier_slowest_contraction_ratio)
+/* Begins an iteration. `earlier_slowest_ratio` is the slowest ratio of successive corrections in an earlier iteration,
+ * or 0 if it is unknown. The fields are set one by one, since compilers would clear the structure by an instruction
+ * that starts slowly. */
+static inline void tvi_convergence_begin(tvi_convergence_test *test, double earlier_slowest_ratio)
 {
     test->count = 0;
     test->size = test->previous_size = test->size_two_passes_before = INFINITY;
     test->ratio = test->expected_next_size = test->roundoff = 0;
     test->size_without_roundoff = INFINITY;
-    test->contraction_ratio_growth = 1;
-    test->slowest_ratio = earlier_slowest_contraction_ratio;
+    test->ratio_growth = 1;
+    test->slowest_ratio = earlier_slowest_ratio;
 }
 
 /* Adds a pass whose correction has this size, and returns the outcome of the pass. */
-static inline tvi_passes_verdict tvi_convergence_test_add_pass(tvi_convergence_test *test,
-                                                               const tvi_stopping_rule *rule, double correction_size)
+static inline tvi_passes_verdict tvi_convergence_add_pass(tvi_convergence_test *test, const tvi_stopping_rule *rule,
+                                                          double correction_size)
 {
     bool is_stalled;
-    if (tvi_add_correction_and_check_convergence(test, rule, correction_size, &is_stalled)) return TVI_PASSES_MAY_END;
+    if (tvi_convergence_add_correction(test, rule, correction_size, &is_stalled)) return TVI_PASSES_MAY_END;
     return is_stalled ? TVI_PASSES_STUCK : TVI_PASSES_GO_ON;
 }
 
 /* Sets the roundoff that was measured after the passes were stuck, for this and all later passes. Returns whether the
  * last correction is roundoff, that is, at most this. */
-static inline bool tvi_convergence_test_set_measured_roundoff(tvi_convergence_test *test, double measured_roundoff)
+static inline bool tvi_convergence_set_roundoff(tvi_convergence_test *test, double measured_roundoff)
 {
     test->roundoff = measured_roundoff;
     return test->size <= measured_roundoff;

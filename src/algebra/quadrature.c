@@ -18,9 +18,9 @@ static const struct {
     [TVI_RECTANGLE_END] = {1, 1, 0, 1, TVI_RECTANGLE_START},
 };
 
-int tvi_quadrature_only_valid_point_count(tvi_quadrature rule) { return rules[rule].only_valid_point_count; }
+int tvi_quadrature_fixed_points(tvi_quadrature rule) { return rules[rule].only_valid_point_count; }
 
-int tvi_quadrature_least_point_count(tvi_quadrature rule) { return rules[rule].least_point_count; }
+int tvi_quadrature_least_points(tvi_quadrature rule) { return rules[rule].least_point_count; }
 
 int tvi_quadrature_order(tvi_quadrature rule, int point_count)
 {

@@ -10,10 +10,10 @@ enum { TVI_MAX_POINTS = TVI_MAX_DEGREE + 2 };
 
 /* Returns the only number of nodes that a trapezoid or rectangle rule can have. Returns 0 for Gauss and Lobatto, which
  * exist with any number of nodes. */
-int tvi_quadrature_only_valid_point_count(tvi_quadrature rule);
+int tvi_quadrature_fixed_points(tvi_quadrature rule);
 
 /* Returns the smallest number of nodes of the rule. */
-int tvi_quadrature_least_point_count(tvi_quadrature rule);
+int tvi_quadrature_least_points(tvi_quadrature rule);
 
 /* Returns the order s: polynomials up to degree s - 1 are integrated exactly. */
 int tvi_quadrature_order(tvi_quadrature rule, int point_count);

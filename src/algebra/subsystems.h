@@ -19,8 +19,7 @@ static inline int tvi_subsystems_component_at(const tvi_subsystems *subsystems, 
 {
     return subsystems->count == 1 ? list_index : subsystems->component_list[list_index];
 }
-static inline int tvi_subsystems_end_in_component_list(const tvi_subsystems *subsystems, int subsystem,
-                                                       int component_count)
+static inline int tvi_subsystems_end(const tvi_subsystems *subsystems, int subsystem, int component_count)
 {
     return subsystems->count == 1 ? component_count : subsystems->end_in_component_list[subsystem];
 }

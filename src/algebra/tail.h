@@ -28,8 +28,7 @@ typedef struct {
 /* Returns the share of a component in the motion. The share is the squared movement if leaves_out_momentum, as for a
  * system with masses, so that a light body counts as much as a heavy one. Otherwise it is the momentum times the
  * movement. */
-static inline double tvi_component_share_of_step_motion(const tvi_component_sizes_in_step *sizes,
-                                                        bool leaves_out_momentum)
+static inline double tvi_component_motion_share(const tvi_component_sizes_in_step *sizes, bool leaves_out_momentum)
 {
     return (leaves_out_momentum ? sizes->q_change_size : sizes->momentum_size) * sizes->q_change_size;
 }
@@ -38,7 +37,7 @@ static inline double tvi_component_share_of_step_motion(const tvi_component_size
  * the movement, less the part that roundoff of the position causes. This part is the roundoff of the position relative
  * to the movement. 0 / 0 counts as 0. The function has no branches, since now one ratio and now the other is larger,
  * and processors could not predict which. */
-static inline double tvi_largest_relative_last_series_term(const tvi_component_sizes_in_step *sizes)
+static inline double tvi_component_last_term_ratio(const tvi_component_sizes_in_step *sizes)
 {
     const double ratio_p = sizes->p_change_by_last_term * sizes->one_over_momentum_size;
     const double quotient_q = sizes->q_change_by_last_term * sizes->one_over_q_change_size;
@@ -49,11 +48,10 @@ static inline double tvi_largest_relative_last_series_term(const tvi_component_s
     return rest > 0 ? rest : 0;
 }
 
-/* Returns the ratio of a component (tvi_largest_relative_last_series_term), reduced if the component has a small share
- * of the motion: below the limit of TAIL_MIN_SHARE times the largest share in its subsystem, the ratio is multiplied by
- * the share over the limit. */
-static inline double tvi_damp_last_term_ratio_of_slow_component(double last_term_ratio, double motion_share,
-                                                                double largest_motion_share)
+/* Returns the ratio of a component (tvi_component_last_term_ratio), reduced if the component has a small share of the
+ * motion: below the limit of TAIL_MIN_SHARE times the largest share in its subsystem, the ratio is multiplied by the
+ * share over the limit. */
+static inline double tvi_component_tail(double last_term_ratio, double motion_share, double largest_motion_share)
 {
     const double least = TAIL_MIN_SHARE * largest_motion_share,
                  quotient = motion_share * (1 / tvi_larger(least, DBL_MIN));
@@ -66,14 +64,13 @@ static inline double tvi_compute_tail(const tvi_subsystems *subsystems, int n, c
 {
     double tail = 0;
     for (int subsystem = 0, k = 0; subsystem < subsystems->count; subsystem++) {
-        const int first = k, end = tvi_subsystems_end_in_component_list(subsystems, subsystem, n);
+        const int first = k, end = tvi_subsystems_end(subsystems, subsystem, n);
         double largest_share = 0;
         for (; k < end; k++)
             largest_share = tvi_larger(motion_share[tvi_subsystems_component_at(subsystems, k)], largest_share);
         for (k = first; k < end; k++) {
             const int i = tvi_subsystems_component_at(subsystems, k);
-            tail = tvi_larger(
-                tvi_damp_last_term_ratio_of_slow_component(last_term_ratio[i], motion_share[i], largest_share), tail);
+            tail = tvi_larger(tvi_component_tail(last_term_ratio[i], motion_share[i], largest_share), tail);
         }
     }
     return tail;

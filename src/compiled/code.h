@@ -16,7 +16,7 @@ struct galerkin_generated_code;
 typedef struct tvi_generated_code_table {
     /* Hashes of the library's source text, of the system and of the options for which the code was made. If one of them
      * is another one in the running program, the code is not used. */
-    uint64_t library_source_hash_when_generated, system_hash, options_hash;
+    uint64_t library_hash, system_hash, options_hash;
     jet_isa isa; /* The instruction set for which the code was compiled. */
     /* The generated sweeps of each tape. If a pointer is NULL, the interpreter makes all sweeps of the tape. If a
      * function of the sweeps is NULL, the interpreter makes those sweeps. */

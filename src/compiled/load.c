@@ -63,7 +63,7 @@ static void append_joined_path(jet_text *path, const char *directory, const char
 
 /* Returns the path that a variable of the environment contains. NULL: the variable is not set, or its path is
  * relative. */
-static const char *read_absolute_path_from_environment(const char *variable)
+static const char *absolute_environment_path(const char *variable)
 {
     const char *path = tvi_environment_variable(variable);
     return path && *path == '/' ? path : NULL;
@@ -73,8 +73,7 @@ static const char *read_absolute_path_from_environment(const char *variable)
  * name. Without a cache, the directory is the one for temporary files. */
 static void choose_cache_directory(compilation_request *request, const char *requested_directory)
 {
-    const char *home = read_absolute_path_from_environment("HOME"),
-               *user = read_absolute_path_from_environment("XDG_CACHE_HOME");
+    const char *home = absolute_environment_path("HOME"), *user = absolute_environment_path("XDG_CACHE_HOME");
     request->uses_cache = !requested_directory || *requested_directory;
     if (requested_directory && *requested_directory)
         append_joined_path(&request->cache_or_temporary_directory, requested_directory, "");
@@ -146,7 +145,7 @@ static bool has_valid_seal(const char *path, const compilation_key *key)
 }
 
 /* Tells whether the file of a shared library is complete. The linker writes its table of sections last. */
-static bool is_shared_library_file_untruncated(const char *data, size_t byte_count)
+static bool is_library_complete(const char *data, size_t byte_count)
 {
 #ifdef __ELF__
     ElfW(Ehdr) head;
@@ -165,7 +164,7 @@ static bool append_seal(const char *path, const compilation_key *key)
 {
     size_t byte_count = 0;
     char *data = tvi_file_restrict_to_user(path) ? tvi_file_read(path, &byte_count) : NULL;
-    const bool serves = data && is_shared_library_file_untruncated(data, byte_count);
+    const bool serves = data && is_library_complete(data, byte_count);
     const cache_seal s = compute_seal(key, data, serves ? byte_count : 0);
     free(data);
     return serves && tvi_file_write(path, true, &s, sizeof s);

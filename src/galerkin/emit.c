@@ -16,11 +16,10 @@ static void emit_rule(jet_text *text, const tvi_stopping_rule *rule)
     jet_text_append(
         text,
         "#define GALERKIN_RULE {.max_passes = %d, .exact_passes = %d, .correction_goal = %a, .roundoff_level "
-        "= %a, .max_trusted_contraction_ratio = %a, .stall_contraction_ratio = %a, .stall_comparison_lag = "
+        "= %a, .max_trusted_ratio = %a, .stall_ratio = %a, .stall_comparison_lag = "
         "%d, .is_convergence_quadratic = %d}\n",
-        rule->max_passes, rule->exact_passes, rule->correction_goal, rule->roundoff_level,
-        rule->max_trusted_contraction_ratio, rule->stall_contraction_ratio, rule->stall_comparison_lag,
-        rule->is_convergence_quadratic);
+        rule->max_passes, rule->exact_passes, rule->correction_goal, rule->roundoff_level, rule->max_trusted_ratio,
+        rule->stall_ratio, rule->stall_comparison_lag, rule->is_convergence_quadratic);
 }
 
 /* The sizes that the form of the equations adds, and the functions of the tapes. */

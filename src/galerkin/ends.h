@@ -160,8 +160,8 @@ JET_INLINE double compute_tail_of_form(const galerkin_tail *of, const bool is_se
     tail.is_separable = is_separable;
     for (int i = 0; i < tail.n; i++) {
         const tvi_component_sizes_in_step sizes = galerkin_component_sizes(&tail, i, is_separable ? i : i + tail.n);
-        share[i] = tvi_component_share_of_step_motion(&sizes, is_separable || tail.has_masses);
-        ratio[i] = tvi_largest_relative_last_series_term(&sizes);
+        share[i] = tvi_component_motion_share(&sizes, is_separable || tail.has_masses);
+        ratio[i] = tvi_component_last_term_ratio(&sizes);
     }
     return tvi_compute_tail(&tail.subsystems, tail.n, share, ratio);
 }

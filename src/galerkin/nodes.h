@@ -286,7 +286,7 @@ NODE_LOOP void nodes_set_sizes(const galerkin_nodes *nodes)
 {
     const tvi_subsystems parts = nodes->subsystems;
     for (int k = 0, first = 0, end; k < parts.count; k++, first = end) {
-        end = tvi_subsystems_end_in_component_list(&parts, k, nodes->n);
+        end = tvi_subsystems_end(&parts, k, nodes->n);
         set_sizes_of_subsystem(nodes, first, end);
     }
 }

@@ -6,9 +6,9 @@ void tvi_galerkin_allocate_predictor(galerkin_stepper *stepper, tvi_arena *arena
     galerkin_predictor *predictor = &stepper->predictor;
     const galerkin_nodes *nodes = &stepper->step.nodes;
     const size_t unknowns = (size_t)nodes->unknown_count, lanes = (size_t)nodes->lane_count;
-    predictor->history = tvi_arena_allocate_restored_if_step_fails(arena, sizeof *predictor->history);
+    predictor->history = tvi_arena_allocate_copied(arena, sizeof *predictor->history);
     for (int i = 0; i < GALERKIN_RING_LENGTH; i++)
-        stepper->step.ring[i] = tvi_arena_allocate_kept_even_if_step_fails(arena, unknowns * lanes * sizeof(double));
+        stepper->step.ring[i] = tvi_arena_allocate_uncopied(arena, unknowns * lanes * sizeof(double));
     predictor->two_step_table = tvi_arena_allocate_doubles(arena, 2 * lanes * lanes);
     predictor->last_step_table = tvi_arena_allocate_doubles(arena, lanes * lanes);
     predictor->resized_table = tvi_arena_allocate_doubles(arena, lanes * lanes);

@@ -34,8 +34,8 @@ tvi_stopping_rule tvi_galerkin_passes_rule(const galerkin_stepper *stepper)
     const tvi_stopping_rule rule = {.max_passes = GALERKIN_MAX_PASSES,
                                     .correction_goal = numbers * SQUARE(goal),
                                     .roundoff_level = numbers * SQUARE(GALERKIN_ROUNDOFF_LEVEL),
-                                    .max_trusted_contraction_ratio = SQUARE(PASSES_MAX_CONTRACTION),
-                                    .stall_contraction_ratio = TVI_STALL_WITHOUT_DECREASE,
+                                    .max_trusted_ratio = SQUARE(PASSES_MAX_CONTRACTION),
+                                    .stall_ratio = TVI_STALL_WITHOUT_DECREASE,
                                     .stall_comparison_lag = 2,
                                     .is_convergence_quadratic =
                                         step->form == GALERKIN_HAMILTONIAN && step->system->hessian_is_complete};
@@ -146,8 +146,8 @@ tvi_status tvi_galerkin_make_probed_pass(galerkin_step *step, const tvi_step_ori
     const galerkin_nodes *nodes = &step->nodes;
     const double *second = nodes->x + nodes->n * nodes->lane_count;
     const bool is_roundoff = *movement <= step->rule.roundoff_level ||
-                             tvi_roundoff_may_exceed_step_motion(step->system, step->h, origin->q, origin->p, nodes->x,
-                                                                 second, nodes->lane_count, nodes->node_count);
+                             tvi_roundoff_may_exceed_motion(step->system, step->h, origin->q, origin->p, nodes->x,
+                                                            second, nodes->lane_count, nodes->node_count);
     return is_roundoff ? measure_roundoff(step, movement, roundoff, counts)
                        : tvi_galerkin_make_pass(step, movement, counts);
 }

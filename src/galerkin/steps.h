@@ -167,7 +167,7 @@ static inline tvi_status galerkin_make_passes(galerkin_step *step, const tvi_ste
     const long before = counts->passes;
     tvi_convergence_test test;
     bool is_stuck = false;
-    tvi_convergence_test_begin_iteration(&test, convergence->contraction);
+    tvi_convergence_begin(&test, convergence->contraction);
     *movement = 0;
     for (long made = 0; made < rule->max_passes; made = counts->passes - before) {
         const bool suspects = is_stuck && test.roundoff == 0 && made + 1 < rule->max_passes;
@@ -180,7 +180,7 @@ static inline tvi_status galerkin_make_passes(galerkin_step *step, const tvi_ste
                                       : galerkin_make_pass(step, movement, counts);
 #endif
         if (status != TVI_OK) return status;
-        const tvi_passes_verdict verdict = tvi_convergence_test_add_pass(&test, rule, *movement);
+        const tvi_passes_verdict verdict = tvi_convergence_add_pass(&test, rule, *movement);
         if (made == 0) convergence->first_movement = *movement;
         convergence->contraction = test.slowest_ratio;
         if (verdict == TVI_PASSES_MAY_END) return TVI_OK;
@@ -217,20 +217,18 @@ static inline bool galerkin_are_sums_finite(int count, const double *x, const do
 }
 
 /* Adds the increments of a step to the state. Returns false, and adds nothing, in three cases: the energy has to be
- * checked first, because the tail or the number of passes exceeds run->limits_for_skipping_energy_check; the step does
- * not end before run->t_end; or the sums are not finite. */
+ * checked first, because the tail or the number of passes exceeds run->unchecked_limits; the step does not end before
+ * run->t_end; or the sums are not finite. */
 static inline bool galerkin_add_step(int n, const tvi_run_request *run, const tvi_run_state *state, double tail,
                                      long passes)
 {
     const tvi_increments *d = &run->last_step_increments_out;
-    if (!(tail <= run->limits_for_skipping_energy_check.max_tail &&
-          passes <= run->limits_for_skipping_energy_check.max_passes))
-        return false;
+    if (!(tail <= run->unchecked_limits.max_tail && passes <= run->unchecked_limits.max_passes)) return false;
     if (!tvi_step_ends_before_t_end(run, state->q)) return false;
     if (!galerkin_are_sums_finite(n + 1, state->q, d->dq) || !galerkin_are_sums_finite(n, state->p, d->dp))
         return false;
-    (void)tvi_add_all_compensated_and_find_nonfinite(n + 1, state->q, state->q_low, d->dq, d->dq_low);
-    (void)tvi_add_all_compensated_and_find_nonfinite(n, state->p, state->p_low, d->dp, d->dp_low);
+    (void)tvi_add_all_compensated(n + 1, state->q, state->q_low, d->dq, d->dq_low);
+    (void)tvi_add_all_compensated(n, state->p, state->p_low, d->dp, d->dp_low);
     return true;
 }
 

@@ -34,8 +34,8 @@ int tvi_estimate_end_state_roundoff(tvi_action *action, const tvi_curve *curve, 
     const int n = curve->n, points = action->node_count;
     memset(q_roundoff, 0, (size_t)n * sizeof *q_roundoff);
     memset(p_roundoff, 0, (size_t)n * sizeof *p_roundoff);
-    if (!tvi_roundoff_may_exceed_step_motion(system, h, q, p, action->field_tape_values_at_nodes, action->p_at_nodes,
-                                             points, points))
+    if (!tvi_roundoff_may_exceed_motion(system, h, q, p, action->field_tape_values_at_nodes, action->p_at_nodes, points,
+                                        points))
         return 0;
     const int values = tvi_roundoff_estimate_field(&action->field_roundoff, system, action->field_tape_values_at_nodes,
                                                    points, points);

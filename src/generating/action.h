@@ -16,7 +16,7 @@ tvi_action tvi_create_unallocated_action(const tvi_system *system, const tvi_opt
 /* Returns the tape that evaluates the field at the nodes. */
 const jet_tape *tvi_select_node_tape(const tvi_system *system, const tvi_action *action);
 void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options);
-void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, tvi_step_span_in_scaled_time span);
+void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, tvi_step_span span);
 
 /* Computes the seeds seed_Q and seed_U, [highest_order + 1][n], by which the action's gradient in defect form is D_z =
  * sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k], with the coefficients Q_k of the position and U_k of the scaled

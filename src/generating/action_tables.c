@@ -31,8 +31,8 @@ tvi_action tvi_create_unallocated_action(const tvi_system *system, const tvi_opt
                         .p_degree = p_degree,
                         .node_count = points,
                         .order_count = degree + one_more + 1};
-    if (definition->step_span_in_scaled_time.start_s == -definition->step_span_in_scaled_time.end_s &&
-        seeds_need_no_second_derivatives(&sizes) && tvi_quadrature_mirror(options->quadrature) == options->quadrature) {
+    if (definition->step_span.start_s == -definition->step_span.end_s && seeds_need_no_second_derivatives(&sizes) &&
+        tvi_quadrature_mirror(options->quadrature) == options->quadrature) {
         sizes.half_node_count = choose_padded_half_node_count(system, points);
         sizes.node_count = 2 * sizes.half_node_count;
     }
@@ -92,7 +92,7 @@ void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system 
 /* Returns the quadrature of the function s^power over the span, less its integral; the result is exactly 0 if `power`
  * is below the order of the quadrature. */
 static double compute_quadrature_error(int order, int points, const long double s[], const long double weight[],
-                                       int power, tvi_step_span_in_scaled_time span)
+                                       int power, tvi_step_span span)
 {
     if (power < order) return 0;
     long double error = -(powl(span.end_s, power + 1) - powl(span.start_s, power + 1)) / (power + 1);
@@ -144,7 +144,7 @@ static int find_quadrature_node_of_action_node(const tvi_action *action, int qua
     return half > 0 && action_node >= half ? quadrature_node_count - 1 - node : node;
 }
 
-void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, tvi_step_span_in_scaled_time span)
+void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, tvi_step_span span)
 {
     const int count = options->quadrature_points, order = tvi_quadrature_order(options->quadrature, count);
     long double s[TVI_MAX_POINTS], weight[TVI_MAX_POINTS];

@@ -61,7 +61,7 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
     tvi_newton_allocate(&w.newton, arena, 3, system, true);
     if (system->form == TVI_LAGRANGIAN) {
         tvi_legendre_allocate(&w.legendre_transform, arena, system);
-        w.velocity_guess = tvi_arena_allocate_restored_if_step_fails(arena, n * sizeof *w.velocity_guess);
+        w.velocity_guess = tvi_arena_allocate_copied(arena, n * sizeof *w.velocity_guess);
     }
     w.q_at_end_weights = tvi_combination_allocate(&w.start_curve.curve, arena);
     w.velocity_at_end_weights = tvi_combination_allocate(&w.start_curve.curve, arena);
@@ -83,7 +83,7 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
     return workspace;
 }
 
-static void set_end_curve_tables(tvi_both_ends_workspace *w, tvi_one_end_curve *x, tvi_step_span_in_scaled_time span)
+static void set_end_curve_tables(tvi_both_ends_workspace *w, tvi_one_end_curve *x, tvi_step_span span)
 {
     double powers[TVI_MAX_DEGREE + 1], zeroth[TVI_MAX_DEGREE + 1] = {1};
     for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->other_end_scaled_time, k);
@@ -102,8 +102,8 @@ static void prepare_stepper(void *workspace)
     const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
     double ones[TVI_MAX_DEGREE + 1], slopes[TVI_MAX_DEGREE + 1];
     tvi_newton_set_pass_rules(&w->newton, w->options, true);
-    set_end_curve_tables(w, &w->start_curve, (tvi_step_span_in_scaled_time){0, 1, 1});
-    set_end_curve_tables(w, &w->end_curve, (tvi_step_span_in_scaled_time){-1, 0, 1});
+    set_end_curve_tables(w, &w->start_curve, (tvi_step_span){0, 1, 1});
+    set_end_curve_tables(w, &w->end_curve, (tvi_step_span){-1, 0, 1});
     for (int k = 0; k <= w->degree; k++) {
         ones[k] = 1;
         slopes[k] = k;
@@ -280,9 +280,8 @@ static tvi_status predict_unknowns(const step_attempt *attempt)
     tvi_both_ends_workspace *w = attempt->work;
     const size_t n = (size_t)w->n;
     const tvi_step_origin *origin = attempt->origin;
-    tvi_status status =
-        tvi_legendre_compute_initial_coefficients(&w->legendre_transform, w->system, attempt->h, origin->t, origin->q,
-                                                  origin->p, w->velocity_guess, w->start_curve_z);
+    tvi_status status = tvi_legendre_compute_start(&w->legendre_transform, w->system, attempt->h, origin->t, origin->q,
+                                                   origin->p, w->velocity_guess, w->start_curve_z);
     if (status != TVI_OK) return status;
     status = expand_end_curve(attempt, &w->start_curve, w->start_curve_z, origin->t + origin->t_low);
     memcpy(w->newton.x, w->start_curve_z + n, n * sizeof(double));
@@ -395,5 +394,5 @@ const tvi_descriptor tvi_type1_both_ends = {
     .needs_conjugate_momenta = true,
     .stepper = &stepper,
     .predictor = &tvi_stepper_curve,
-    .curve = {.step_span_in_scaled_time = {0, 1, 1}},
+    .curve = {.step_span = {0, 1, 1}},
 };

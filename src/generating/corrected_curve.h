@@ -57,7 +57,7 @@ extern const tvi_end_correction_solver tvi_solver_by_matrices;
 typedef struct tvi_corrected_curve {
     const tvi_system *system;
     int n;
-    tvi_step_span_in_scaled_time span; /* the ends of the step in scaled time */
+    tvi_step_span span; /* the ends of the step in scaled time */
     tvi_curve curve;
     /* The weights of the coefficients Q_k whose sums are q- (at the start), q+ (at the end), q+ - q-, and (end_s q- -
      * start_s q+)/(end_s - start_s), with the ends of the span in scaled time. The last sum has no term in Q_1; it is

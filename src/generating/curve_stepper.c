@@ -129,9 +129,9 @@ static tvi_status predict_centre_state(const step_attempt *attempt)
 {
     work *w = attempt->work;
     const tvi_step_origin *origin = attempt->origin;
-    tvi_status status = tvi_legendre_compute_initial_coefficients(&w->legendre_transform, w->corrected_curve.system,
-                                                                  attempt->time_unit, origin->t, origin->q, origin->p,
-                                                                  w->velocity_guess, w->predicted_state);
+    tvi_status status =
+        tvi_legendre_compute_start(&w->legendre_transform, w->corrected_curve.system, attempt->time_unit, origin->t,
+                                   origin->q, origin->p, w->velocity_guess, w->predicted_state);
     if (status != TVI_OK || w->corrected_curve.span.start_s == 0) return status;
     status = expand_curve(attempt, w->predicted_state, origin->t + origin->t_low);
     step_compute_state_at_centre(w, w->predicted_state);
@@ -345,8 +345,7 @@ static double bound_energy_change(const void *workspace)
 static tvi_tapes_of_steps find_used_tapes(const tvi_system *system, const tvi_options *options)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const bool has_symplectic_end_corrections =
-        definition->correct_ends_by_generating_function && options->passes != TVI_PREDICT_ONLY;
+    const bool has_symplectic_end_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
     const tvi_action shape = tvi_create_unallocated_action(system, options);
     return tvi_curve_find_used_tapes(system, options, shape.node_count,
                                      has_symplectic_end_corrections ? tvi_curve_choose_jacobian_method(system)

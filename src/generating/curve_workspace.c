@@ -18,9 +18,9 @@ static void allocate_corrected_curve(tvi_corrected_curve *c, tvi_arena *arena, c
         has_symplectic_end_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
     c->system = system;
     c->n = system->n;
-    c->span = definition->step_span_in_scaled_time;
+    c->span = definition->step_span;
     c->p_degree = sizes.p_degree;
-    c->solve_end_corrections = definition->correct_ends_by_generating_function;
+    c->solve_end_corrections = definition->correct_ends;
     c->end_correction_factors = &definition->end_correction_factors;
     const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
     c->solver = has_products ? tvi_choose_curve_isa_functions(system->field_series)->matrix_free_solver
@@ -51,7 +51,7 @@ static void allocate_plain_taylor_step(work *w, tvi_arena *arena)
 {
     const tvi_curve *curve = &w->corrected_curve.curve;
     const tvi_system *system = curve->system;
-    w->last_adapted_step_size = tvi_arena_allocate_restored_if_step_fails(arena, sizeof(double));
+    w->last_adapted_step_size = tvi_arena_allocate_copied(arena, sizeof(double));
     tvi_allocate_increment_refinement(&w->refinement, arena, curve);
     if (system->form != TVI_SEPARABLE) return;
     w->field_tape_values_at_step_end = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
@@ -62,8 +62,7 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
 {
     work *workspace = tvi_arena_allocate(arena, sizeof *workspace);
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const bool has_symplectic_end_corrections =
-        definition->correct_ends_by_generating_function && options->passes != TVI_PREDICT_ONLY;
+    const bool has_symplectic_end_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
     const size_t n = (size_t)system->n;
     work w = {.has_symplectic_end_corrections = has_symplectic_end_corrections,
               .confirms_convergence_by_extra_pass = definition->needs_extra_newton_pass,
@@ -78,9 +77,9 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
         *combinations[i] = tvi_combination_allocate(curve, arena);
     if (system->form == TVI_LAGRANGIAN) {
         tvi_legendre_allocate(&w.legendre_transform, arena, system);
-        w.velocity_guess = tvi_arena_allocate_restored_if_step_fails(arena, n * sizeof *w.velocity_guess);
+        w.velocity_guess = tvi_arena_allocate_copied(arena, n * sizeof *w.velocity_guess);
     }
-    if (!definition->correct_ends_by_generating_function) allocate_plain_taylor_step(&w, arena);
+    if (!definition->correct_ends) allocate_plain_taylor_step(&w, arena);
     w.scratch = tvi_arena_allocate_doubles(arena, n);
     w.predicted_state = tvi_arena_allocate_doubles(arena, 2 * n);
     if (has_symplectic_end_corrections) {

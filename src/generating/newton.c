@@ -13,13 +13,13 @@
  * passes. */
 static const tvi_stopping_rule per_unknown_correction_rule = {.max_passes = NEWTON_MAX_PASSES,
                                                               .correction_goal = DBL_EPSILON / 2,
-                                                              .max_trusted_contraction_ratio = 1,
-                                                              .stall_contraction_ratio = PASSES_STALL_RATIO,
+                                                              .max_trusted_ratio = 1,
+                                                              .stall_ratio = PASSES_STALL_RATIO,
                                                               .stall_comparison_lag = 1};
 /* The rule for the largest correction of a group, relative to the largest scale of the group. Passes without a Jacobian
  * are not stuck as long as these corrections shrink. In each pass corrections spread from a body to its neighbours
  * only; the corrections of the bodies that are reached last also shrink last. */
-static const tvi_stopping_rule per_group_correction_rule = {.stall_contraction_ratio = PASSES_STALL_RATIO,
+static const tvi_stopping_rule per_group_correction_rule = {.stall_ratio = PASSES_STALL_RATIO,
                                                             .stall_comparison_lag = 2};
 
 /* ---- The corrections of a pass ----------------------------------------------------------------------------------- */
@@ -35,10 +35,10 @@ typedef struct {
 typedef struct {
     tvi_convergence_test passes_measured_per_unknown, passes_measured_per_group;
     /* The contraction ratio of a pass is the size of its correction divided by that of the correction before it.
-     * contraction_ratio_growth is the factor by which this ratio may grow from one pass to the next; the expected size
-     * of the next correction allows for it. unconfirmed_ratio_growth is a greater factor that the last correction
-     * suggests and that no later correction has confirmed yet. */
-    double contraction_ratio_growth, unconfirmed_ratio_growth;
+     * ratio_growth is the factor by which this ratio may grow from one pass to the next; the expected size of the next
+     * correction allows for it. unconfirmed_ratio_growth is a greater factor that the last correction suggests and that
+     * no later correction has confirmed yet. */
+    double ratio_growth, unconfirmed_ratio_growth;
     bool must_confirm_convergence; /* whether one more pass must confirm the expected convergence */
 } tvi_newton_convergence_record;
 
@@ -48,12 +48,12 @@ typedef struct {
 static void tvi_newton_begin_passes(tvi_newton_convergence_record *record, double max_contraction_ratio_growth,
                                     const tvi_newton_rules *rules, bool confirms_convergence_by_extra_pass)
 {
-    tvi_convergence_test_begin_iteration(&record->passes_measured_per_unknown, 0);
-    tvi_convergence_test_begin_iteration(&record->passes_measured_per_group, 0);
-    record->contraction_ratio_growth = tvi_larger(max_contraction_ratio_growth, 1);
+    tvi_convergence_begin(&record->passes_measured_per_unknown, 0);
+    tvi_convergence_begin(&record->passes_measured_per_group, 0);
+    record->ratio_growth = tvi_larger(max_contraction_ratio_growth, 1);
     record->unconfirmed_ratio_growth = 0;
     record->must_confirm_convergence = rules->per_unknown_correction_rule.exact_passes == 0 &&
-                                       rules->per_unknown_correction_rule.max_trusted_contraction_ratio > 0 &&
+                                       rules->per_unknown_correction_rule.max_trusted_ratio > 0 &&
                                        (max_contraction_ratio_growth == 0 || confirms_convergence_by_extra_pass);
 }
 
@@ -63,12 +63,12 @@ static void tvi_newton_update_contraction_ratio_growth(tvi_newton_convergence_re
                                                        const tvi_newton_rules *rules, double relative_correction)
 {
     const tvi_convergence_test *each = &record->passes_measured_per_unknown;
-    const bool shows = relative_correction <= rules->per_unknown_correction_rule.stall_contraction_ratio * each->size;
+    const bool shows = relative_correction <= rules->per_unknown_correction_rule.stall_ratio * each->size;
     if (each->count < 2) return;
     if (shows)
-        record->contraction_ratio_growth = tvi_smaller(
-            tvi_larger(record->contraction_ratio_growth, record->unconfirmed_ratio_growth), NEWTON_MAX_RATIO_GROWTH);
-    const double growth = each->contraction_ratio_growth * relative_correction / each->expected_next_size;
+        record->ratio_growth =
+            tvi_smaller(tvi_larger(record->ratio_growth, record->unconfirmed_ratio_growth), NEWTON_MAX_RATIO_GROWTH);
+    const double growth = each->ratio_growth * relative_correction / each->expected_next_size;
     record->unconfirmed_ratio_growth = shows && relative_correction > NEWTON_GROWTH_MIN_CORRECTION ? growth : 0;
 }
 
@@ -81,11 +81,11 @@ static tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_convergence_record *r
                  relative_group_correction = sizes->relative_group_correction;
     const double expected = record->passes_measured_per_unknown.expected_next_size;
     tvi_newton_update_contraction_ratio_growth(record, rules, largest_relative_correction);
-    record->passes_measured_per_unknown.contraction_ratio_growth =
-        tvi_larger(record->contraction_ratio_growth, record->unconfirmed_ratio_growth);
-    const tvi_passes_verdict verdict = tvi_convergence_test_add_pass(
+    record->passes_measured_per_unknown.ratio_growth =
+        tvi_larger(record->ratio_growth, record->unconfirmed_ratio_growth);
+    const tvi_passes_verdict verdict = tvi_convergence_add_pass(
         &record->passes_measured_per_unknown, &rules->per_unknown_correction_rule, largest_relative_correction);
-    const tvi_passes_verdict settled = tvi_convergence_test_add_pass(
+    const tvi_passes_verdict settled = tvi_convergence_add_pass(
         &record->passes_measured_per_group, &rules->per_group_correction_rule, relative_group_correction);
     const bool is_confirmed = expected <= rules->per_unknown_correction_rule.correction_goal &&
                               largest_relative_correction <= NEWTON_CHECK_MAX_CORRECTION;
@@ -124,7 +124,7 @@ static tvi_correction_sizes newton_measure_corrections(const tvi_newton *newton,
     const tvi_subsystems *subsystems = newton->subsystems;
     tvi_correction_sizes sizes = {0, 0};
     for (int k = 0, begin = 0, end; k < subsystems->count; k++, begin = end) {
-        end = tvi_subsystems_end_in_component_list(subsystems, k, newton->unknowns_per_group);
+        end = tvi_subsystems_end(subsystems, k, newton->unknowns_per_group);
         newton_measure_subsystem_corrections(newton, scale, begin, end, &sizes);
     }
     return sizes;
@@ -152,7 +152,7 @@ static void newton_raise_scales_of_small_unknowns(const tvi_newton *newton)
 {
     const tvi_subsystems *subsystems = newton->subsystems;
     for (int k = 0, begin = 0, end; k < subsystems->count; k++, begin = end) {
-        end = tvi_subsystems_end_in_component_list(subsystems, k, newton->unknowns_per_group);
+        end = tvi_subsystems_end(subsystems, k, newton->unknowns_per_group);
         newton_raise_small_scales_in_subsystem(newton, begin, end);
     }
 }
@@ -176,7 +176,7 @@ void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, 
     newton->trial_residual = tvi_arena_allocate_doubles(arena, count);
     if (allocates_jacobian) tvi_factor_allocate(&newton->factor, arena, size);
     newton->max_contraction_ratio_growth =
-        tvi_arena_allocate_restored_if_step_fails(arena, sizeof *newton->max_contraction_ratio_growth);
+        tvi_arena_allocate_copied(arena, sizeof *newton->max_contraction_ratio_growth);
 }
 
 /* Computes dr/dx by forward differences, for steps so large that passes with the approximate Jacobian do not contract.
@@ -261,7 +261,7 @@ static bool is_correction_roundoff(tvi_newton *newton, const tvi_equations *equa
     compute_roundoff_scales(newton, equations);
     const tvi_correction_sizes sizes = newton_measure_corrections(newton, newton->roundoff_scale);
     if (sizes.relative_group_correction > NEWTON_STALLED_CORRECTION) return false;
-    record->contraction_ratio_growth = 1; /* the corrections are roundoff, and show no contraction */
+    record->ratio_growth = 1; /* the corrections are roundoff, and show no contraction */
     return true;
 }
 
@@ -321,7 +321,7 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
             verdict = TVI_PASSES_MAY_END;
         if (verdict == TVI_PASSES_MAY_END) {
             *newton->max_contraction_ratio_growth =
-                tvi_larger(*newton->max_contraction_ratio_growth, record.contraction_ratio_growth);
+                tvi_larger(*newton->max_contraction_ratio_growth, record.ratio_growth);
             return TVI_OK;
         }
         for (int i = 0; i < newton->unknown_count; i++) newton->x[i] += newton->correction[i];

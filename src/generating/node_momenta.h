@@ -98,12 +98,12 @@ static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *c
     const int count = curve_dimension(curve) * action->node_count;
     double *p = action->field_tape_values_at_nodes + count;
     tvi_convergence_test passes;
-    tvi_convergence_test_begin_iteration(&passes, 0);
+    tvi_convergence_begin(&passes, 0);
     memcpy(p, action->p_at_nodes, (size_t)count * sizeof *p);
     const double size = tvi_largest_magnitude(count, p, 1);
     const tvi_stopping_rule rule = {.correction_goal = DBL_EPSILON * size,
-                                    .max_trusted_contraction_ratio = PASSES_MAX_CONTRACTION,
-                                    .stall_contraction_ratio = TVI_STALL_WITHOUT_DECREASE,
+                                    .max_trusted_ratio = PASSES_MAX_CONTRACTION,
+                                    .stall_ratio = TVI_STALL_WITHOUT_DECREASE,
                                     .stall_comparison_lag = 1};
     for (int step = 0; step < MOMENTA_MAX_ITERATIONS; step++) {
         tvi_status status = seeds_evaluate_field_at_nodes(action);
@@ -113,12 +113,12 @@ static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *c
         const double largest = momenta_compute_corrections(action, curve);
         if (!isfinite(largest)) return TVI_ENONFINITE;
         if (step > 0 && momenta_are_corrections_roundoff(action, curve_dimension(curve), p)) return TVI_OK;
-        const tvi_passes_verdict verdict = tvi_convergence_test_add_pass(&passes, &rule, largest);
+        const tvi_passes_verdict verdict = tvi_convergence_add_pass(&passes, &rule, largest);
         for (int i = 0; i < count; i++) p[i] += action->node_momentum_correction[i];
         if (verdict == TVI_PASSES_MAY_END ||
             (verdict == TVI_PASSES_STUCK &&
              (largest <= MOMENTA_STALLED_CORRECTION * size ||
-              tvi_convergence_test_set_measured_roundoff(&passes, tvi_estimate_node_momenta_roundoff(action, curve)))))
+              tvi_convergence_set_roundoff(&passes, tvi_estimate_node_momenta_roundoff(action, curve)))))
             return seeds_evaluate_field_at_nodes(action);
     }
     return TVI_ENOCONV;

@@ -277,7 +277,7 @@ static inline tvi_status products_solve_by_conjugate_residuals(tvi_corrected_cur
     tvi_conjugate_residuals *iteration = products_get_conjugate_residuals(corrected);
     double goal = CURVE_NEGLIGIBLE_ERROR;
     tvi_convergence_test passes;
-    tvi_convergence_test_begin_iteration(&passes, 0);
+    tvi_convergence_begin(&passes, 0);
     if (!iteration->has_initial_guess)
         memset(iteration->solution, 0, (size_t)products_get_padded_row_count(corrected) * sizeof *iteration->solution);
     tvi_transposed_jacobian_operands residual =
@@ -292,10 +292,10 @@ static inline tvi_status products_solve_by_conjugate_residuals(tvi_corrected_cur
         if (!isfinite(size)) return TVI_ENONFINITE;
         if (direction_index == 0) goal = tvi_larger(CURVE_NEGLIGIBLE_ERROR, PRODUCTS_REDUCTION * size);
         const tvi_stopping_rule rule = {.correction_goal = goal,
-                                        .max_trusted_contraction_ratio = PASSES_MAX_CONTRACTION,
-                                        .stall_contraction_ratio = PASSES_STALL_RATIO,
+                                        .max_trusted_ratio = PASSES_MAX_CONTRACTION,
+                                        .stall_ratio = PASSES_STALL_RATIO,
                                         .stall_comparison_lag = 1};
-        const tvi_passes_verdict verdict = tvi_convergence_test_add_pass(&passes, &rule, size);
+        const tvi_passes_verdict verdict = tvi_convergence_add_pass(&passes, &rule, size);
         const bool may_end =
             verdict == TVI_PASSES_MAY_END ||
             (verdict == TVI_PASSES_STUCK &&

@@ -266,8 +266,8 @@ static inline double curve_compute_tail(const tvi_curve *curve)
     if (curve_p_degree(curve) < 2) return 0;
     for (int i = 0; i < curve_dimension(curve); i++) {
         const tvi_component_sizes_in_step component = curve_compute_tail_inputs_of_component(curve, i);
-        share[i] = tvi_component_share_of_step_motion(&component, curve->system->has_tail_shares_without_momenta);
-        ratio[i] = tvi_largest_relative_last_series_term(&component);
+        share[i] = tvi_component_motion_share(&component, curve->system->has_tail_shares_without_momenta);
+        ratio[i] = tvi_component_last_term_ratio(&component);
     }
     return tvi_compute_tail(&curve->system->tail_subsystems, curve_dimension(curve), share, ratio);
 }

@@ -13,5 +13,5 @@ const tvi_descriptor tvi_taylor = {
     .most_degree = TVI_MAX_DEGREE,
     .supports = &tvi_supports_all,
     .stepper = &tvi_stepper_taylor,
-    .curve = {.step_span_in_scaled_time = {0, 1, 1}},
+    .curve = {.step_span = {0, 1, 1}},
 };

@@ -27,9 +27,9 @@ const tvi_descriptor tvi_type1_end = {
     .quadrature = TVI_CHOSEN_QUADRATURE,
     .needs_conjugate_momenta = true,
     .stepper = &tvi_stepper_curve,
-    .curve = {.step_span_in_scaled_time = {-1, 0, 1},
+    .curve = {.step_span = {-1, 0, 1},
               .action = TVI_ACTION_LAGRANGE,
-              .correct_ends_by_generating_function = solve_end_corrections,
+              .correct_ends = solve_end_corrections,
               .end_correction_factors = {.start_p_correction_factor = {0, 1}, .increment_p_correction_factor = {1, 0}},
               .needs_extra_newton_pass = true},
 };

@@ -20,9 +20,9 @@ const tvi_descriptor tvi_type1_midpoint = {
     .quadrature = TVI_CHOSEN_QUADRATURE,
     .needs_conjugate_momenta = true,
     .stepper = &tvi_stepper_curve,
-    .curve = {.step_span_in_scaled_time = {-1, 1, 0.5},
+    .curve = {.step_span = {-1, 1, 0.5},
               .action = TVI_ACTION_LAGRANGE,
-              .correct_ends_by_generating_function = tvi_solve_end_corrections_by_mean_q_jacobian,
+              .correct_ends = tvi_solve_end_corrections_by_mean_q_jacobian,
               .end_correction_factors = {false, .start_p_correction_factor = {-0.5, 1},
                                          .increment_p_correction_factor = {1, 0}}},
 };

@@ -11,7 +11,7 @@
  * unit of s is the time tau_over_h h. */
 typedef struct {
     double start_s, end_s, tau_over_h;
-} tvi_step_span_in_scaled_time;
+} tvi_step_span;
 
 struct tvi_corrected_curve;
 /* The type of a function that computes the corrections of a curve's ends by the equations of a generating function

@@ -49,12 +49,12 @@ typedef enum {
 
 /* The definition of a Taylor curve, and of the generating function that corrects it (docs/method.md, section 4). */
 typedef struct {
-    tvi_step_span_in_scaled_time step_span_in_scaled_time;
+    tvi_step_span step_span;
     tvi_action_kind action;
     /* true: the polynomial of p has the degree N, as that of q; false: it has the degree N - 1. */
     bool uses_highest_momentum_term;
     /* Computes the corrections of the ends; NULL: the ends are not corrected. */
-    tvi_correct_ends_fn *correct_ends_by_generating_function;
+    tvi_correct_ends_fn *correct_ends;
     /* The factors with which that function computes the corrections. */
     tvi_curve_end_correction_factors end_correction_factors;
     /* A step needs one more pass of Newton's method than the first two corrections suggest. The first pass reduces the

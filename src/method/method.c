@@ -143,16 +143,16 @@ static tvi_status resolve_gauss_quadrature(tvi_options *options, const char **wh
 static tvi_status resolve_chosen_quadrature(tvi_options *options, bool is_order_requested, const char **why)
 {
     if (options->quadrature == TVI_QUADRATURE_AUTO) options->quadrature = TVI_GAUSS;
-    const int fixed = tvi_quadrature_only_valid_point_count(options->quadrature);
+    const int fixed = tvi_quadrature_fixed_points(options->quadrature);
     if (fixed && options->quadrature_points != 0 && options->quadrature_points != fixed)
         return refuse_with_reason(TVI_EINVAL, "the quadrature has a fixed number of points", why);
     if (fixed) options->quadrature_points = fixed;
     if (options->quadrature_points == 0) {
-        int points = tvi_quadrature_least_point_count(options->quadrature);
+        int points = tvi_quadrature_least_points(options->quadrature);
         while (tvi_quadrature_order(options->quadrature, points) < options->order) points++;
         options->quadrature_points = points < TVI_MAX_POINTS ? points + 1 : points;
     }
-    if (options->quadrature_points < tvi_quadrature_least_point_count(options->quadrature))
+    if (options->quadrature_points < tvi_quadrature_least_points(options->quadrature))
         return refuse_with_reason(TVI_EINVAL, "the quadrature needs more points", why);
     int order = tvi_quadrature_order(options->quadrature, options->quadrature_points);
     if (options->compose_adjoint) order += order % 2;

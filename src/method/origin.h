@@ -38,17 +38,17 @@ typedef struct {
 typedef struct {
     double max_tail;
     int max_passes;
-} tvi_limits_for_skipping_energy_check;
+} tvi_unchecked_step_limits;
 
 /* A request to make several steps without checks between them: at most `max_steps` steps of size h, each within
- * `limits_for_skipping_energy_check`. `last_step_increments_out` gets the increments of the last step, except for the
- * increment of the independent variable, dq[N], which the caller sets to h. In a rescaled system the time is the
- * coordinate q[index_of_time_in_q]. It must move in the direction of h and stay before t_end. In other systems
- * index_of_time_in_q is -1. */
+ * `unchecked_limits`. `last_step_increments_out` gets the increments of the last step, except for the increment of the
+ * independent variable, dq[N], which the caller sets to h. In a rescaled system the time is the coordinate
+ * q[index_of_time_in_q]. It must move in the direction of h and stay before t_end. In other systems index_of_time_in_q
+ * is -1. */
 typedef struct {
     double h;
     long max_steps;
-    tvi_limits_for_skipping_energy_check limits_for_skipping_energy_check;
+    tvi_unchecked_step_limits unchecked_limits;
     int index_of_time_in_q;
     double t_end;
     tvi_increments last_step_increments_out;
@@ -87,9 +87,8 @@ static inline double tvi_add_compensated(double x, double *low, double increment
 
 /* Adds the increments of all components by compensated summation, as tvi_add_compensated does. Returns 0 if all sums
  * are finite, and otherwise another number. */
-static inline uint64_t tvi_add_all_compensated_and_find_nonfinite(int count, double *restrict x, double *restrict low,
-                                                                  const double *restrict increment,
-                                                                  const double *restrict increment_low)
+static inline uint64_t tvi_add_all_compensated(int count, double *restrict x, double *restrict low,
+                                               const double *restrict increment, const double *restrict increment_low)
 {
     uint64_t any = 0;
     for (int i = 0; i < count; i++) {

@@ -18,7 +18,7 @@ static inline tvi_stopping_rule tvi_passes_rule_with_options(const tvi_stopping_
     if (options->passes > 0) requested.max_passes = requested.exact_passes = options->passes;
     if (tolerance > 0) {
         requested.correction_goal = tolerance;
-        requested.max_trusted_contraction_ratio = 0;
+        requested.max_trusted_ratio = 0;
     }
     return requested;
 }

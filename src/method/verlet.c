@@ -34,7 +34,7 @@ static tvi_status compute_forces(verlet_work *w, const tvi_step_origin *origin, 
     const int n = w->system->n;
     if (w->system->uses_time) w->force_block[n] = origin->t + (origin->t_low + time_offset);
     if (!tape->sweeps->values(tape, w->force_block, 1)) {
-        (void)jet_set_error_text_of_failed_sweep(tape, w->force_block, 1);
+        (void)jet_explain_failed_sweep(tape, w->force_block, 1);
         return TVI_EDOMAIN;
     }
     for (int i = 0; i < n; i++) force[i] = w->force_block[tape->output_slot[i]];

@@ -39,7 +39,7 @@ static tvi_status allocate_member_memory(tvi_ensemble *ensemble)
     ensemble->records = calloc(members, sizeof *ensemble->records);
     ensemble->parameters = calloc(numbers + 1, sizeof *ensemble->parameters);
     ensemble->columns = calloc(members, sizeof *ensemble->columns);
-    ensemble->stops = calloc(members, tvi_size_of_stop_in_bytes(ensemble->n));
+    ensemble->stops = calloc(members, tvi_stop_bytes(ensemble->n));
     ensemble->failure_status = calloc(members, sizeof *ensemble->failure_status);
     if (!ensemble->histories || !ensemble->records || !ensemble->parameters || !ensemble->columns || !ensemble->stops ||
         !ensemble->failure_status)
@@ -71,7 +71,7 @@ tvi_status tvi_ensemble_create(tvi_ensemble **out, const tvi_system *system, con
     if (threads < 0) return jet_refuse(TVI_EINVAL, "threads = %d is negative", threads);
     tvi_ensemble *ensemble = calloc(1, sizeof *ensemble);
     if (!ensemble) return jet_explain_out_of_memory(TVI_ENOMEM);
-    const int wanted = threads > 0 ? threads : tvi_parallel_default_thread_count();
+    const int wanted = threads > 0 ? threads : tvi_parallel_thread_count();
     *ensemble = (tvi_ensemble){.system = system, .n = system->n, .member_count = members};
     ensemble->thread_count = wanted < members ? wanted : members;
     (void)pthread_mutex_init(&ensemble->observer_lock, NULL);
@@ -124,11 +124,9 @@ void tvi_worker_load_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble,
     tvi_integrator *it = worker->integrator;
     const tvi_member_record *record = &ensemble->records[member];
     const tvi_stats own = it->stats;
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, history_of_member(ensemble, member),
-                                                ensemble->history_bytes);
+    tvi_arena_copy_history(it->history, history_of_member(ensemble, member), ensemble->history_bytes);
     tvi_integrator_load_parameters(it, ensemble->parameters + member, (size_t)ensemble->member_count);
-    if (needs_stops(ensemble))
-        memcpy(it->stop, tvi_stop_of_member(ensemble, member), tvi_size_of_stop_in_bytes(ensemble->n));
+    if (needs_stops(ensemble)) memcpy(it->stop, tvi_stop_of_member(ensemble, member), tvi_stop_bytes(ensemble->n));
     it->stats = record->stats;
     it->stats.bytes = own.bytes;
     it->stats.is_compiled = own.is_compiled;
@@ -142,12 +140,10 @@ void tvi_worker_store_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble
 {
     tvi_integrator *it = worker->integrator;
     tvi_member_record *record = &ensemble->records[member];
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(history_of_member(ensemble, member), it->history,
-                                                ensemble->history_bytes);
+    tvi_arena_copy_history(history_of_member(ensemble, member), it->history, ensemble->history_bytes);
     tvi_scatter_member(tvi_system_parameters(it->system), ensemble->member_count, it->parameters, member,
                        ensemble->parameters);
-    if (needs_stops(ensemble))
-        memcpy(tvi_stop_of_member(ensemble, member), it->stop, tvi_size_of_stop_in_bytes(ensemble->n));
+    if (needs_stops(ensemble)) memcpy(tvi_stop_of_member(ensemble, member), it->stop, tvi_stop_bytes(ensemble->n));
     *record = (tvi_member_record){it->stats, it->h, it->covered_time, it->has_dense_output};
     record->stats.bytes = 0;
     if (it->tangent) tvi_step_columns_exchange(it, &ensemble->columns[member]);
@@ -159,9 +155,8 @@ void tvi_worker_load_member_and_curve(tvi_ensemble_worker *worker, tvi_ensemble 
 {
     tvi_integrator *it = worker->integrator;
     if (ensemble->records[member].has_dense_output && tvi_is_rescaled(it)) {
-        tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, history_of_member(ensemble, member),
-                                                    ensemble->history_bytes);
-        tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, it->history_before, it->copied_history_bytes);
+        tvi_arena_copy_history(it->history, history_of_member(ensemble, member), ensemble->history_bytes);
+        tvi_arena_copy_history(it->history, it->history_before, it->copied_history_bytes);
         tvi_integrator_load_parameters(it, ensemble->parameters + member, (size_t)ensemble->member_count);
         tvi_integrator_compute_curve(it, ensemble->records[member].h);
     }
@@ -222,7 +217,7 @@ tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats)
     for (size_t m = 0; m < members; m++) add_step_counts(stats, &ensemble->records[m].stats);
     stats->bytes = sizeof *ensemble + count_parameters_of_all_members(ensemble) * sizeof *ensemble->parameters +
                    members * (ensemble->history_bytes + sizeof *ensemble->records + sizeof *ensemble->columns +
-                              sizeof *ensemble->failure_status + tvi_size_of_stop_in_bytes(ensemble->n));
+                              sizeof *ensemble->failure_status + tvi_stop_bytes(ensemble->n));
     for (int i = 0; i < ensemble->thread_count; i++) stats->bytes += ensemble->workers[i].integrator->stats.bytes;
     return TVI_OK;
 }
@@ -241,7 +236,7 @@ static void list_saved_pieces(const tvi_ensemble *ensemble, tvi_stats *stats, tv
     tvi_saved_pieces_add(pieces, ensemble->failure_status, members * sizeof *ensemble->failure_status);
     tvi_saved_pieces_add(pieces, ensemble->parameters,
                          count_parameters_of_all_members(ensemble) * sizeof *ensemble->parameters);
-    tvi_saved_pieces_add(pieces, ensemble->stops, members * tvi_size_of_stop_in_bytes(ensemble->n));
+    tvi_saved_pieces_add(pieces, ensemble->stops, members * tvi_stop_bytes(ensemble->n));
     tvi_saved_pieces_add(pieces, ensemble->histories, members * ensemble->history_bytes);
 }
 
@@ -280,9 +275,8 @@ static bool are_saved_pieces_valid(tvi_ensemble *ensemble, const tvi_saved_piece
     for (size_t m = 0; m < (size_t)ensemble->member_count; m++) {
         tvi_status status;
         memcpy(&status, tvi_saved_piece_address(pieces, STATUSES, buffer) + m * sizeof status, sizeof status);
-        if (status != TVI_OK && !tvi_is_failure_of_one_member_only(status)) return false;
-        tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, histories + m * ensemble->history_bytes,
-                                                    ensemble->history_bytes);
+        if (status != TVI_OK && !tvi_is_failure_of_member(status)) return false;
+        tvi_arena_copy_history(it->history, histories + m * ensemble->history_bytes, ensemble->history_bytes);
         if (!tvi_loaded_history_is_valid(it)) return false;
     }
     return true;

@@ -46,8 +46,8 @@ struct tvi_ensemble {
     tvi_member_record *records; /* [member_count] */
     double *parameters;         /* [tvi_system_parameters][member_count] each member's parameter values */
     tvi_step_columns *columns;  /* [member_count] the tangent vectors of each member's last step */
-    /* [member_count][tvi_size_of_stop_in_bytes] the tvi_event_stop of each member, the state at which events have
-     * stopped its run */
+    /* [member_count][tvi_stop_bytes] the tvi_event_stop of each member, the state at which events have stopped its
+     * run */
     char *stops;
     tvi_status *failure_status; /* [member_count] TVI_OK if the member can go on, otherwise the status of its failure */
     bool has_run;               /* true if the ensemble has run since it was created or reset */
@@ -60,7 +60,7 @@ struct tvi_ensemble {
 
 static inline tvi_event_stop *tvi_stop_of_member(const tvi_ensemble *ensemble, int member)
 {
-    return (tvi_event_stop *)(void *)(ensemble->stops + (size_t)member * tvi_size_of_stop_in_bytes(ensemble->n));
+    return (tvi_event_stop *)(void *)(ensemble->stops + (size_t)member * tvi_stop_bytes(ensemble->n));
 }
 
 /* Refuses a call from an observer of a running ensemble, whose threads are using the members. */

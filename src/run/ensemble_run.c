@@ -55,7 +55,7 @@ static void run_member_in_thread(void *ctx, int thread, int member)
                                 .team = &ensemble->team,
                                 .observer_lock = &ensemble->observer_lock};
     *status = tvi_run_member(it, &run, &loaded.t, q, p);
-    *failed = tvi_is_failure_of_one_member_only(*status) ? *status : TVI_OK;
+    *failed = tvi_is_failure_of_member(*status) ? *status : TVI_OK;
 }
 
 /* ---- The run ----------------------------------------------------------------------------------------------------- */

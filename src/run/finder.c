@@ -19,8 +19,8 @@ tvi_status tvi_finder_open(tvi_event_finder *finder, tvi_event_search *search)
         .search = search, .state_size = size, .line_origin = calloc((size_t)size * 4, sizeof *finder->line_origin)};
     if (!finder->line_origin) return TVI_ENOMEM;
     finder->line_direction = finder->line_origin + size;
-    finder->slope_chord_midpoint_state = finder->line_direction + size;
-    finder->scratch_state = finder->slope_chord_midpoint_state + size;
+    finder->chord_midpoint = finder->line_direction + size;
+    finder->scratch_state = finder->chord_midpoint + size;
     return tvi_state_rates_open(&finder->rates_evaluator, it->system, it->parameters);
 }
 
@@ -31,29 +31,27 @@ void tvi_finder_close(tvi_event_finder *finder)
 }
 
 /* Estimates derivatives at theta by difference quotients between two states x on the curve: finder->line_direction
- * becomes dx/dtheta, finder->slope_chord_midpoint_state the midpoint of the chord between the two states,
+ * becomes dx/dtheta, finder->chord_midpoint the midpoint of the chord between the two states,
  * *dg_dtheta the derivative dg/dtheta, and *theta_distance_to_zero the distance from theta to the zero of g. */
-static tvi_status estimate_curve_and_g_slopes_by_chord(tvi_event_finder *finder, int event_index, double theta,
-                                                       double *dg_dtheta, double *theta_distance_to_zero)
+static tvi_status estimate_chord_slopes(tvi_event_finder *finder, int event_index, double theta, double *dg_dtheta,
+                                        double *theta_distance_to_zero)
 {
     const double a = fmax(theta - EVENT_CHORD, 0), b = fmin(theta + EVENT_CHORD, 1);
     double ga = 0, gb = 0;
     tvi_status status = tvi_search_compute_curve_state(finder->search, a, finder->line_direction);
     if (status == TVI_OK) status = tvi_search_evaluate_event(finder->search, event_index, finder->line_direction, &ga);
-    if (status == TVI_OK)
-        status = tvi_search_compute_curve_state(finder->search, b, finder->slope_chord_midpoint_state);
-    if (status == TVI_OK)
-        status = tvi_search_evaluate_event(finder->search, event_index, finder->slope_chord_midpoint_state, &gb);
+    if (status == TVI_OK) status = tvi_search_compute_curve_state(finder->search, b, finder->chord_midpoint);
+    if (status == TVI_OK) status = tvi_search_evaluate_event(finder->search, event_index, finder->chord_midpoint, &gb);
     *dg_dtheta = (gb - ga) / (b - a);
     *theta_distance_to_zero = -(ga + gb) / (2 * *dg_dtheta);
     for (int i = 0; i < finder->state_size; i++) {
-        const double low = finder->line_direction[i], high = finder->slope_chord_midpoint_state[i];
+        const double low = finder->line_direction[i], high = finder->chord_midpoint[i];
         finder->line_direction[i] = (high - low) / (b - a);
-        finder->slope_chord_midpoint_state[i] = (low + high) / 2;
+        finder->chord_midpoint[i] = (low + high) / 2;
     }
     /* If both ends a and b of the chord are inside the step, 0 < a and b < 1, the slope is a central difference, whose
      * error is proportional to EVENT_CHORD^2. Otherwise it is one-sided, with an error proportional to EVENT_CHORD. */
-    finder->is_slope_chord_inside_step = a > 0 && b < 1;
+    finder->is_chord_inside_step = a > 0 && b < 1;
     return status;
 }
 
@@ -66,38 +64,36 @@ static bool is_theta_guess_inside_bracket(const tvi_event_root *root)
 
 /* Tells whether a correction of theta is short, in itself and in relation to the distance of the corrected theta from
  * the ends of the root's bracket. */
-static bool is_theta_correction_small_against_bracket(const tvi_event_root *root, double theta, double correction)
+static bool is_theta_correction_short(const tvi_event_root *root, double theta, double correction)
 {
     return fabs(correction) <=
            fmin(EVENT_SHORT_CORRECTION, EVENT_SHORT_CORRECTION_PART * fmin(theta + correction - root->bracket.left,
                                                                            root->bracket.right - (theta + correction)));
 }
 
-/* Returns the largest difference between finder->slope_chord_midpoint_state, which represents the curve, and
- * finder->line_origin in the component_count components from first_component on, divided by the largest of these
- * components. */
-static double step_curve_error_relative_to_state_size(const tvi_event_finder *finder, int first_component,
-                                                      int component_count)
+/* Returns the largest difference between finder->chord_midpoint, which represents the curve, and finder->line_origin in
+ * the component_count components from first_component on, divided by the largest of these components. */
+static double relative_curve_error(const tvi_event_finder *finder, int first_component, int component_count)
 {
     double apart = 0, size = 0;
     for (int i = first_component; i < first_component + component_count; i++) {
-        apart = fmax(apart, fabs(finder->line_origin[i] - finder->slope_chord_midpoint_state[i]));
+        apart = fmax(apart, fabs(finder->line_origin[i] - finder->chord_midpoint[i]));
         size = fmax(size, fabs(finder->line_origin[i]));
     }
     return tvi_ratio_or_zero(apart, size);
 }
 
 /* Returns the difference between the time t of finder->line_origin and the time of
- * finder->slope_chord_midpoint_state, which represents the curve, divided by |t| + |dt/dtheta|. */
-static double step_curve_time_error_relative_to_time_size(const tvi_event_finder *finder)
+ * finder->chord_midpoint, which represents the curve, divided by |t| + |dt/dtheta|. */
+static double relative_curve_time_error(const tvi_event_finder *finder)
 {
     const int t = finder->state_size - 1;
-    return tvi_ratio_or_zero(fabs(finder->line_origin[t] - finder->slope_chord_midpoint_state[t]),
+    return tvi_ratio_or_zero(fabs(finder->line_origin[t] - finder->chord_midpoint[t]),
                              fabs(finder->line_origin[t]) + fabs(finder->line_direction[t]));
 }
 
 /* Sets finder->line_origin to the state that the last partial step has computed, which lies at theta. */
-static void set_line_origin_to_partial_step_state(tvi_event_finder *finder, double theta)
+static void set_line_origin(tvi_event_finder *finder, double theta)
 {
     tvi_partial_step_copy_state(finder->search->partial_step, finder->line_origin);
     finder->line_origin_theta = theta;
@@ -106,8 +102,7 @@ static void set_line_origin_to_partial_step_state(tvi_event_finder *finder, doub
 /* ---- Lines with the slope of the curve --------------------------------------------------------------------------- */
 
 /* Computes the state [2n + 1] on the line, state = line_origin + theta_from_line_origin line_direction. */
-static void compute_state_on_line_along_orbit(const tvi_event_finder *finder, double theta_from_line_origin,
-                                              double state[])
+static void compute_state_on_line(const tvi_event_finder *finder, double theta_from_line_origin, double state[])
 {
     for (int i = 0; i < finder->state_size; i++)
         state[i] = finder->line_origin[i] + theta_from_line_origin * finder->line_direction[i];
@@ -122,7 +117,7 @@ typedef struct {
 static tvi_status evaluate_event_at_line_distance(void *ctx, double distance, double *g)
 {
     const finder_event_context *context = ctx;
-    compute_state_on_line_along_orbit(context->finder, distance, context->finder->scratch_state);
+    compute_state_on_line(context->finder, distance, context->finder->scratch_state);
     return tvi_search_evaluate_event(context->finder->search, context->event_index, context->finder->scratch_state, g);
 }
 
@@ -136,21 +131,20 @@ static tvi_status move_bracket_to_root(const tvi_event_root *root, tvi_sign_brac
 {
     tvi_status status = function(ctx, bracket->left, &bracket->g_left);
     if (status == TVI_OK) status = function(ctx, bracket->right, &bracket->g_right);
-    for (; status == TVI_OK && tvi_has_sign_after_root_or_is_zero(root, bracket->g_left) && bracket->left > lower_limit;
+    for (; status == TVI_OK && tvi_has_sign_after_root(root, bracket->g_left) && bracket->left > lower_limit;
          next_width *= width_growth) {
         bracket->right = bracket->left, bracket->g_right = bracket->g_left;
         bracket->left = fmax(bracket->left - next_width, lower_limit);
         status = function(ctx, bracket->left, &bracket->g_left);
     }
-    for (; status == TVI_OK && !tvi_has_sign_after_root_or_is_zero(root, bracket->g_right) &&
-           bracket->right < upper_limit;
+    for (; status == TVI_OK && !tvi_has_sign_after_root(root, bracket->g_right) && bracket->right < upper_limit;
          next_width *= width_growth) {
         bracket->left = bracket->right, bracket->g_left = bracket->g_right;
         bracket->right = fmin(bracket->right + next_width, upper_limit);
         status = function(ctx, bracket->right, &bracket->g_right);
     }
-    *has_root = status == TVI_OK && !tvi_has_sign_after_root_or_is_zero(root, bracket->g_left) &&
-                tvi_has_sign_after_root_or_is_zero(root, bracket->g_right);
+    *has_root = status == TVI_OK && !tvi_has_sign_after_root(root, bracket->g_left) &&
+                tvi_has_sign_after_root(root, bracket->g_right);
     return status;
 }
 
@@ -185,7 +179,7 @@ static void set_event_state_on_line(const tvi_event_finder *finder, tvi_event_ro
                                     double state[])
 {
     root->theta = finder->line_origin_theta + distance;
-    compute_state_on_line_along_orbit(finder, distance, state);
+    compute_state_on_line(finder, distance, state);
 }
 
 /* Sets root->theta to the given theta, and computes the event's state there by a partial step. */
@@ -194,34 +188,32 @@ static tvi_status set_event_state_by_partial_step(tvi_event_finder *finder, tvi_
 {
     const tvi_status status =
         tvi_partial_step_compute_state(finder->search->partial_step, theta * finder->search->integrator->h);
-    set_line_origin_to_partial_step_state(finder, theta);
+    set_line_origin(finder, theta);
     if (status == TVI_OK) set_event_state_on_line(finder, root, 0, state);
     return status;
 }
 
 /* Computes the state at theta by a partial step, and begins a line there. finder->accurate_distance becomes the
  * distance over which an error of the line's slope stays below roundoff. */
-static tvi_status compute_line_origin_and_accuracy_at_theta(tvi_event_finder *finder, double theta)
+static tvi_status begin_line_at_theta(tvi_event_finder *finder, double theta)
 {
     const int n = finder->search->integrator->system->n;
     const tvi_status status =
         tvi_partial_step_compute_state(finder->search->partial_step, theta * finder->search->integrator->h);
     if (status != TVI_OK) return status;
-    set_line_origin_to_partial_step_state(finder, theta);
-    const double apart = fmax(fmax(step_curve_error_relative_to_state_size(finder, 0, n),
-                                   step_curve_error_relative_to_state_size(finder, n, n)),
-                              step_curve_time_error_relative_to_time_size(finder));
-    finder->accurate_distance = finder->is_slope_chord_inside_step
-                                    ? fmin(EVENT_LINE_MAX_LENGTH, DBL_EPSILON / (8 * EVENT_SLOPE_ERROR) / apart)
-                                    : 0;
+    set_line_origin(finder, theta);
+    const double apart = fmax(fmax(relative_curve_error(finder, 0, n), relative_curve_error(finder, n, n)),
+                              relative_curve_time_error(finder));
+    finder->accurate_distance =
+        finder->is_chord_inside_step ? fmin(EVENT_LINE_MAX_LENGTH, DBL_EPSILON / (8 * EVENT_SLOPE_ERROR) / apart) : 0;
     return TVI_OK;
 }
 
-static tvi_status evaluate_event_after_partial_step(void *ctx, double theta, double *g)
+static tvi_status evaluate_after_partial_step(void *ctx, double theta, double *g)
 {
     const finder_event_context *context = ctx;
     tvi_event_finder *finder = context->finder;
-    const tvi_status status = compute_line_origin_and_accuracy_at_theta(finder, theta);
+    const tvi_status status = begin_line_at_theta(finder, theta);
     return status == TVI_OK ? tvi_search_evaluate_event(finder->search, context->event_index, finder->line_origin, g)
                             : status;
 }
@@ -245,20 +237,20 @@ static tvi_status find_event_by_partial_steps(tvi_event_finder *finder, tvi_even
 
 /* Finds the root on the curve first, and then on straight lines with the slope of the curve. Each line begins at the
  * theta of the root on the line before. The iteration ends when two successive roots are near each other. */
-static tvi_status find_event_by_iterated_tangent_lines(tvi_event_finder *finder, tvi_event_root *root, double state[])
+static tvi_status find_event_on_chord_lines(tvi_event_finder *finder, tvi_event_root *root, double state[])
 {
     double theta = root->theta_guess, g = 0, slope, distance = 0, distance_to_zero = 0;
     tvi_status status = TVI_OK;
     if (is_theta_guess_inside_bracket(root))
-        status = estimate_curve_and_g_slopes_by_chord(finder, root->event_index, theta, &slope, &distance_to_zero);
+        status = estimate_chord_slopes(finder, root->event_index, theta, &slope, &distance_to_zero);
     if (status == TVI_OK && is_theta_guess_inside_bracket(root) &&
-        is_theta_correction_small_against_bracket(root, theta, distance_to_zero))
+        is_theta_correction_short(root, theta, distance_to_zero))
         theta += distance_to_zero;
     else if (status == TVI_OK) status = tvi_search_find_curve_root(finder->search, root, &theta);
     for (int k = 0; k < EVENT_MAX_LINES && status == TVI_OK; k++) {
-        status = estimate_curve_and_g_slopes_by_chord(finder, root->event_index, theta, &slope, &distance_to_zero);
+        status = estimate_chord_slopes(finder, root->event_index, theta, &slope, &distance_to_zero);
         if (status == TVI_OK)
-            status = evaluate_event_after_partial_step(&(finder_event_context){finder, root->event_index}, theta, &g);
+            status = evaluate_after_partial_step(&(finder_event_context){finder, root->event_index}, theta, &g);
         if (status == TVI_OK) status = find_root_on_line(finder, root, g, slope, &distance);
         if (status != TVI_OK) return status;
         if (!finder->has_root_on_line) break;
@@ -268,15 +260,15 @@ static tvi_status find_event_by_iterated_tangent_lines(tvi_event_finder *finder,
         }
         theta = fmin(fmax(theta + distance, 0), 1);
     }
-    return status == TVI_OK ? find_event_by_partial_steps(finder, root, evaluate_event_after_partial_step,
-                                                          root->bracket, 0, DBL_EPSILON / 4, state)
+    return status == TVI_OK ? find_event_by_partial_steps(finder, root, evaluate_after_partial_step, root->bracket, 0,
+                                                          DBL_EPSILON / 4, state)
                             : status;
 }
 
 /* ---- Lines along the time derivatives ---------------------------------------------------------------------------- */
 
 /* Sets finder->line_direction to dx/dtheta at a state x = (q, p, t): h times (dq/dt, dp/dt, 1). */
-static tvi_status compute_line_direction_from_rates(tvi_event_finder *finder, const double state[])
+static tvi_status set_line_direction_to_rates(tvi_event_finder *finder, const double state[])
 {
     const int last = finder->state_size - 1;
     const double h = finder->search->integrator->h;
@@ -290,16 +282,16 @@ static tvi_status compute_line_direction_from_rates(tvi_event_finder *finder, co
  * its time derivatives. If the root is farther from this state than EVENT_LINE_MAX_LENGTH, the time derivatives are
  * computed again halfway to the root. *is_accurate tells whether the computed event is accurate to roundoff; otherwise
  * another method must compute it. */
-static tvi_status find_event_on_line_along_rates(tvi_event_finder *finder, tvi_event_root *root, double state[],
-                                                 bool *is_accurate)
+static tvi_status find_event_on_rate_line(tvi_event_finder *finder, tvi_event_root *root, double state[],
+                                          bool *is_accurate)
 {
     finder_event_context context = {finder, root->event_index};
     double g = 0, before = 0, after = 0, found = 0;
     const double h = finder->search->integrator->h;
     tvi_status status = tvi_partial_step_compute_state(finder->search->partial_step, root->theta_guess * h);
     if (status != TVI_OK) return status;
-    set_line_origin_to_partial_step_state(finder, root->theta_guess);
-    status = compute_line_direction_from_rates(finder, finder->line_origin);
+    set_line_origin(finder, root->theta_guess);
+    status = set_line_direction_to_rates(finder, finder->line_origin);
     if (status == TVI_OK)
         status = tvi_search_evaluate_event(finder->search, root->event_index, finder->line_origin, &g);
     if (status == TVI_OK) status = evaluate_event_at_line_distance(&context, -EVENT_CHORD, &before);
@@ -308,12 +300,12 @@ static tvi_status find_event_on_line_along_rates(tvi_event_finder *finder, tvi_e
     const double tail = fmax(finder->search->integrator->stats.tail,
                              finder->search->partial_step->partial_step_integrator->stats.tail),
                  error = tail * tail;
-    if (status != TVI_OK || !(fabs(distance) * error <= DBL_EPSILON / 8 &&
-                              is_theta_correction_small_against_bracket(root, root->theta_guess, distance)))
+    if (status != TVI_OK ||
+        !(fabs(distance) * error <= DBL_EPSILON / 8 && is_theta_correction_short(root, root->theta_guess, distance)))
         return status;
     if (fabs(distance) > EVENT_LINE_MAX_LENGTH) {
-        compute_state_on_line_along_orbit(finder, distance / 2, finder->scratch_state);
-        status = compute_line_direction_from_rates(finder, finder->scratch_state);
+        compute_state_on_line(finder, distance / 2, finder->scratch_state);
+        status = set_line_direction_to_rates(finder, finder->scratch_state);
     }
     if (status == TVI_OK) status = find_root_on_line(finder, root, g, slope, &found);
     if (status == TVI_OK) set_event_state_on_line(finder, root, found, state);
@@ -336,13 +328,13 @@ static bool is_line_along_rates_accurate(const tvi_event_finder *finder)
 
 /* Computes (g(theta) - g(0)) / theta, for a step that begins on the event, where g(0) = 0. This quotient is nearly
  * linear in theta if theta is small. */
-static tvi_status compute_g_change_from_step_start_over_theta(void *ctx, double theta, double *g_change_over_theta)
+static tvi_status compute_g_change_per_theta(void *ctx, double theta, double *g_change_over_theta)
 {
     const finder_event_context *context = ctx;
     double g_change = 0;
     bool known;
     const tvi_status status =
-        tvi_compute_g_change_from_step_start(context->finder->search, context->event_index, theta, &g_change, &known);
+        tvi_compute_g_change_from_start(context->finder->search, context->event_index, theta, &g_change, &known);
     *g_change_over_theta = g_change / theta;
     return status;
 }
@@ -351,15 +343,15 @@ tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root,
 {
     bool is_accurate = false;
     tvi_status status = TVI_OK;
-    if (root->is_next_zero_after_zero_at_step_start) {
+    if (root->is_return_to_zero) {
         const double first = finder->search->watched_events[root->event_index].theta_after_leaving_zero;
         const tvi_sign_bracket bracket = {.left = first, .right = fmax(root->bracket.right, first)};
-        return find_event_by_partial_steps(finder, root, compute_g_change_from_step_start_over_theta, bracket, first,
+        return find_event_by_partial_steps(finder, root, compute_g_change_per_theta, bracket, first,
                                            DBL_EPSILON / 4 * first, state);
     }
     if (root->bracket.right == 1 && root->bracket.g_right == 0)
         return set_event_state_by_partial_step(finder, root, 1, state);
     if (is_theta_guess_inside_bracket(root) && is_line_along_rates_accurate(finder))
-        status = find_event_on_line_along_rates(finder, root, state, &is_accurate);
-    return is_accurate || status != TVI_OK ? status : find_event_by_iterated_tangent_lines(finder, root, state);
+        status = find_event_on_rate_line(finder, root, state, &is_accurate);
+    return is_accurate || status != TVI_OK ? status : find_event_on_chord_lines(finder, root, state);
 }

@@ -17,10 +17,10 @@ typedef struct {
      * the line is accurate to roundoff. */
     double *line_direction, accurate_distance;
     /* The midpoint of the chord of the curve whose slope is line_direction. */
-    double *slope_chord_midpoint_state;
-    bool is_slope_chord_inside_step; /* true if both ends of this chord lie inside the step */
-    bool has_root_on_line;           /* true if the event function changes its sign on the current line */
-    double *scratch_state;           /* scratch memory for one state */
+    double *chord_midpoint;
+    bool is_chord_inside_step; /* true if both ends of this chord lie inside the step */
+    bool has_root_on_line;     /* true if the event function changes its sign on the current line */
+    double *scratch_state;     /* scratch memory for one state */
 } tvi_event_finder;
 
 /* Allocates the memory of a finder for the events of a search. */
@@ -32,7 +32,7 @@ void tvi_finder_close(tvi_event_finder *finder);
 TVI_NODISCARD tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root, double state[]);
 
 /* Tells whether the value g has the sign that the event function has just after the root, or is 0. */
-static inline bool tvi_has_sign_after_root_or_is_zero(const tvi_event_root *root, double g)
+static inline bool tvi_has_sign_after_root(const tvi_event_root *root, double g)
 {
     return root->g_sign_after > 0 ? g >= 0 : g <= 0;
 }

@@ -37,19 +37,19 @@ static bool has_energy_change_bound(const tvi_integrator *it)
  * A constant added to H is added to the level, too. If H is not even in p, as in a magnetic field, H(q, 0) is not the
  * least energy at q; the level is then 0, and the scale of the energy is |H| at the start of the run. */
 
-/* limit_of_zero_momentum_energy_for_large_q computes H(c q, 0) for the factors c = 2^k with these exponents k. At the
- * last two factors the forces between bodies that attract each other are negligible. If H(c q, 0) has a limit, its
- * values at these two factors therefore differ little. */
+/* limit_of_H_at_zero_p computes H(c q, 0) for the factors c = 2^k with these exponents k. At the last two factors the
+ * forces between bodies that attract each other are negligible. If H(c q, 0) has a limit, its values at these two
+ * factors therefore differ little. */
 static const int FAR_Q_EXPONENTS[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 60, 90};
 
 /* The straight lines from the coordinates at the start of a step on which the lowest H(q, 0) is searched. FORWARD and
  * BACK follow the increment of q in the step and its opposite; DOWNHILL moves each coordinate by the size of its
  * increment in the direction of its force. */
-typedef enum { FORWARD, BACK, DOWNHILL, LINE_COUNT } line_for_minimum_of_H;
+typedef enum { FORWARD, BACK, DOWNHILL, LINE_COUNT } search_line;
 
 /* Returns one component of the line's direction, for the step's increments dq and dp of this component.
  * time_direction has the sign of the step. */
-static double search_line_direction_component(line_for_minimum_of_H line, double dq, double dp, double time_direction)
+static double search_line_direction_component(search_line line, double dq, double dp, double time_direction)
 {
     return line == FORWARD ? dq : line == BACK ? -dq : copysign(dq, dp * time_direction);
 }
@@ -65,8 +65,7 @@ static double energy_or_nonfinite(tvi_integrator *it, const double *q, const dou
 
 /* Returns H(factor_of_step_start_q q + distance d, 0), where q are the coordinates at the start of the step, and d is
  * the direction of the line. */
-static double H_at_zero_p_on_line(tvi_integrator *it, double factor_of_step_start_q, double distance,
-                                  line_for_minimum_of_H line)
+static double H_at_zero_p_on_line(tvi_integrator *it, double factor_of_step_start_q, double distance, search_line line)
 {
     const int n = it->system->n;
     const double *dq = it->increments.dq, *dp = it->increments.dp;
@@ -106,8 +105,7 @@ static bool is_energy_even_in_p(tvi_integrator *it)
  * if the value before it differs from it by at most the part GUARD_LEVEL_MAX_DIFFERENCE of |energy_at_start - limit|.
  * The result is also NAN if H(c q, 0) is not monotonic in c up to roundoff_of_energy: a pole then lies on the way, and
  * the limit is no measure of the motion before the pole. */
-static double limit_of_zero_momentum_energy_for_large_q(tvi_integrator *it, double energy_at_start,
-                                                        double roundoff_of_energy)
+static double limit_of_H_at_zero_p(tvi_integrator *it, double energy_at_start, double roundoff_of_energy)
 {
     double last = H_at_zero_p_on_line(it, 1, 1, FORWARD), difference = INFINITY;
     bool rises = true, falls = true;
@@ -124,8 +122,7 @@ static double limit_of_zero_momentum_energy_for_large_q(tvi_integrator *it, doub
 
 /* Returns the lowest H(q, 0) along the line, from its start, where H(q, 0) is energy_at_start, to the point from which
  * H(q, 0) rises. */
-static double minimum_of_H_at_zero_p_along_line(tvi_integrator *it, line_for_minimum_of_H line, double energy_at_start,
-                                                double roundoff)
+static double lowest_H_at_zero_p_on_line(tvi_integrator *it, search_line line, double energy_at_start, double roundoff)
 {
     double lowest = energy_at_start;
     for (double distance = GUARD_LEVEL_MIN_DISTANCE; distance <= GUARD_LEVEL_MAX_DISTANCE;
@@ -137,12 +134,12 @@ static double minimum_of_H_at_zero_p_along_line(tvi_integrator *it, line_for_min
     return lowest;
 }
 
-static double minimum_of_H_at_zero_p_along_lines(tvi_integrator *it, double roundoff)
+static double lowest_H_at_zero_p(tvi_integrator *it, double roundoff)
 {
     const double here = H_at_zero_p_at_step_start(it);
     double lowest = here;
-    for (line_for_minimum_of_H line = 0; line < LINE_COUNT; line++)
-        lowest = fmin(lowest, minimum_of_H_at_zero_p_along_line(it, line, here, roundoff));
+    for (search_line line = 0; line < LINE_COUNT; line++)
+        lowest = fmin(lowest, lowest_H_at_zero_p_on_line(it, line, here, roundoff));
     return lowest;
 }
 
@@ -153,34 +150,31 @@ static double energy_magnitude_at_run_start(tvi_integrator *it)
     return fabs(energy_or_nonfinite(it, q, q + it->system->n + 1));
 }
 
-/* Sets zero_level_of_energy and energy_scale (tvi_reference_energy) from the state at the start of the step. The energy
- * of this state is H, with the roundoff `roundoff`. */
-static void set_energy_zero_level_and_scale(tvi_integrator *it, double H, double roundoff)
+/* Sets zero_level and energy_scale (tvi_reference_energy) from the state at the start of the step. The energy of this
+ * state is H, with the roundoff `roundoff`. */
+static void set_zero_level_and_scale(tvi_integrator *it, double H, double roundoff)
 {
     tvi_reference_energy *reference = it->reference_energy;
-    const double limit = limit_of_zero_momentum_energy_for_large_q(it, H, roundoff);
+    const double limit = limit_of_H_at_zero_p(it, H, roundoff);
     const bool is_even_in_p = is_energy_even_in_p(it), has_limit = is_even_in_p && !isnan(limit);
-    reference->zero_level_of_energy = has_limit      ? limit
-                                      : is_even_in_p ? minimum_of_H_at_zero_p_along_lines(it, roundoff)
-                                                     : 0;
-    reference->energy_scale =
-        is_even_in_p ? fabs(H - reference->zero_level_of_energy) : energy_magnitude_at_run_start(it);
-    reference->has_tried_to_find_zero_level_of_energy = true;
+    reference->zero_level = has_limit ? limit : is_even_in_p ? lowest_H_at_zero_p(it, roundoff) : 0;
+    reference->energy_scale = is_even_in_p ? fabs(H - reference->zero_level) : energy_magnitude_at_run_start(it);
+    reference->was_zero_level_searched = true;
     reference->has_energy_scale = reference->energy_scale > roundoff && isfinite(reference->energy_scale);
-    reference->is_zero_level_of_energy_only_upper_bound = reference->has_energy_scale && is_even_in_p && !has_limit;
+    reference->can_zero_level_be_lowered = reference->has_energy_scale && is_even_in_p && !has_limit;
     if (!reference->has_energy_scale)
-        reference->zero_level_of_energy = reference->energy_scale = 0; /* H at the start of the run may be NAN */
+        reference->zero_level = reference->energy_scale = 0; /* H at the start of the run may be NAN */
 }
 
 /* Lowers the zero level to H(q, 0) at the start of the step, if H(q, 0) is lower. A level that is the limit
  * for large q is kept. */
-static void decrease_energy_zero_level_to_step_start_value(tvi_integrator *it)
+static void lower_zero_level(tvi_integrator *it)
 {
     tvi_reference_energy *reference = it->reference_energy;
-    if (!reference->is_zero_level_of_energy_only_upper_bound) return;
-    const double fall = reference->zero_level_of_energy - H_at_zero_p_at_step_start(it);
+    if (!reference->can_zero_level_be_lowered) return;
+    const double fall = reference->zero_level - H_at_zero_p_at_step_start(it);
     if (!(fall > 0) || !isfinite(fall)) return;
-    reference->zero_level_of_energy -= fall;
+    reference->zero_level -= fall;
     reference->energy_scale += fall;
 }
 
@@ -189,7 +183,7 @@ static void decrease_energy_zero_level_to_step_start_value(tvi_integrator *it)
 /* Returns p.dq/dt, which is about twice the kinetic energy if H has one: the sum over the components of |q1 - q0| / h
  * times the mean of |p| at both ends of the step. q0 and q1 are the coordinates at the ends, and h is the time between
  * them. */
-static double step_mean_of_p_dot_velocity(const tvi_integrator *it)
+static double mean_p_dot_velocity(const tvi_integrator *it)
 {
     const int n = it->system->n;
     const double *p = it->state.p, *dp = it->increments.dp, *dq = it->increments.dq;
@@ -216,7 +210,7 @@ static double energy_change_scale(const tvi_reference_energy *reference, double 
 {
     if (reference->energy_scale <= GUARD_MIN_PART_OF_ACTION * p_dot_velocity)
         return GUARD_PART_OF_ACTION * p_dot_velocity;
-    return fmax(reference->energy_scale, fabs(energy_before - reference->zero_level_of_energy));
+    return fmax(reference->energy_scale, fabs(energy_before - reference->zero_level));
 }
 
 /* Tells whether the energy after the step differs from that before it by more than a step that follows the motion
@@ -229,17 +223,16 @@ static bool does_energy_change_too_much(tvi_integrator *it, double energy_after)
     reference->is_H_known = isfinite(before) && isfinite(energy_after);
     if (!reference->is_H_known) return isfinite(before) && isinf(energy_after);
     reference->H = energy_after;
-    const double p_dot_velocity = step_mean_of_p_dot_velocity(it), roundoff = energy_roundoff(it, before),
+    const double p_dot_velocity = mean_p_dot_velocity(it), roundoff = energy_roundoff(it, before),
                  change_of_e = tvi_is_rescaled(it) ? it->increments.dp[it->system->n] : 0,
                  change = fabs(energy_after - before + change_of_e);
-    const bool needs_scale =
-        change > roundoff || (has_energy_change_bound(it) && !reference->has_tried_to_find_zero_level_of_energy);
-    if (!reference->has_energy_scale && needs_scale) set_energy_zero_level_and_scale(it, before, roundoff);
+    const bool needs_scale = change > roundoff || (has_energy_change_bound(it) && !reference->was_zero_level_searched);
+    if (!reference->has_energy_scale && needs_scale) set_zero_level_and_scale(it, before, roundoff);
     if (change <= roundoff) return false;
     if (!reference->has_energy_scale && p_dot_velocity == 0) return false;
     if (change <= GUARD_MAX_ENERGY_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff)
         return false;
-    decrease_energy_zero_level_to_step_start_value(it);
+    lower_zero_level(it);
     return change > GUARD_MAX_ENERGY_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff;
 }
 
@@ -260,7 +253,7 @@ static tvi_status refuse_by_energy_change(tvi_integrator *it)
 
 /* Tells whether the tail is an estimate of an error. A polynomial of the forces with a single coefficient, as at a
  * single node, has the tail 0, which is no estimate. */
-static bool has_step_enough_terms_for_tail_estimate(const tvi_integrator *it, bool step_used_series)
+static bool is_tail_an_error_estimate(const tvi_integrator *it, bool step_used_series)
 {
     return it->options.degree > (step_used_series ? 2 : 1);
 }
@@ -272,18 +265,17 @@ static bool may_skip_energy_check(const tvi_integrator *it, bool step_used_serie
     if (has_energy_change_bound(it))
         return it->stepper->bound_energy_change(it->work) <=
                GUARD_MAX_ENERGY_CHANGE * it->reference_energy->energy_scale;
-    if (!has_step_enough_terms_for_tail_estimate(it, step_used_series)) return false;
-    return step_used_series ? tail <= GUARD_UNCHECKED_MAX_SERIES_TAIL && passes <= GUARD_UNCHECKED_MAX_SERIES_PASSES
-                            : tail <= GUARD_UNCHECKED_MAX_TAIL && passes <= GUARD_UNCHECKED_MAX_PASSES;
+    if (!is_tail_an_error_estimate(it, step_used_series)) return false;
+    return step_used_series ? tail <= GUARD_UNCHECKED_SERIES_TAIL && passes <= GUARD_UNCHECKED_SERIES_PASSES
+                            : tail <= GUARD_UNCHECKED_TAIL && passes <= GUARD_UNCHECKED_PASSES;
 }
 
-tvi_limits_for_skipping_energy_check tvi_max_tail_and_passes_without_energy_check(const tvi_integrator *it)
+tvi_unchecked_step_limits tvi_guard_unchecked_limits(const tvi_integrator *it)
 {
     const double most = it->options.max_tail;
-    if (most < 0) return (tvi_limits_for_skipping_energy_check){GUARD_UNCHECKED_MAX_TAIL, GUARD_UNCHECKED_MAX_PASSES};
-    const double max_tail =
-        has_step_enough_terms_for_tail_estimate(it, false) ? tvi_smaller(most, GUARD_UNCHECKED_MAX_TAIL) : -1;
-    return (tvi_limits_for_skipping_energy_check){max_tail, GUARD_UNCHECKED_MAX_PASSES};
+    if (most < 0) return (tvi_unchecked_step_limits){GUARD_UNCHECKED_TAIL, GUARD_UNCHECKED_PASSES};
+    const double max_tail = is_tail_an_error_estimate(it, false) ? tvi_smaller(most, GUARD_UNCHECKED_TAIL) : -1;
+    return (tvi_unchecked_step_limits){max_tail, GUARD_UNCHECKED_PASSES};
 }
 
 tvi_status tvi_refuse_too_large_step(tvi_integrator *it, bool step_used_series, long passes)

@@ -7,7 +7,7 @@
 
 /* Returns the largest tail (tvi_stats.tail) and the largest number of corrector passes with which a step is accepted
  * without computing its energy. */
-tvi_limits_for_skipping_energy_check tvi_max_tail_and_passes_without_energy_check(const tvi_integrator *integrator);
+tvi_unchecked_step_limits tvi_guard_unchecked_limits(const tvi_integrator *integrator);
 
 /* Refuses a step whose tail or energy shows that it is too large (TVI_ETOOLARGE). step.c calls this function after the
  * stepper's step, before the increments are added to the state. step_used_series tells whether the step expanded a

@@ -9,7 +9,7 @@
 
 /* Returns the address in history_before, the copy of the history, that corresponds to an address in the history
  * itself. */
-static void *map_address_to_history_copy_before_step(const tvi_integrator *it, const void *address_in_history)
+static void *address_in_history_before(const tvi_integrator *it, const void *address_in_history)
 {
     return it->history_before + ((const char *)address_in_history - it->history);
 }
@@ -32,17 +32,15 @@ static void allocate_state(tvi_integrator *integrator, tvi_arena *arena)
     tvi_increments *increments = &integrator->increments;
     allocate_state_arrays(arena, tvi_arena_allocate, dimension,
                           (double **[]){&increments->dp, &increments->dq, &increments->dp_low, &increments->dq_low});
-    allocate_state_arrays(arena, tvi_arena_allocate_restored_if_step_fails, dimension,
+    allocate_state_arrays(arena, tvi_arena_allocate_copied, dimension,
                           (double **[]){&state->p, &state->q, &state->p_low, &state->q_low});
-    integrator->is_state_from_step =
-        tvi_arena_allocate_restored_if_step_fails(arena, sizeof *integrator->is_state_from_step);
-    integrator->run_start = tvi_arena_allocate_kept_even_if_step_fails(arena, (2 * (size_t)n + 1) * sizeof(double));
-    integrator->reference_energy =
-        tvi_arena_allocate_restored_if_step_fails(arena, sizeof *integrator->reference_energy);
+    integrator->is_state_from_step = tvi_arena_allocate_copied(arena, sizeof *integrator->is_state_from_step);
+    integrator->run_start = tvi_arena_allocate_uncopied(arena, (2 * (size_t)n + 1) * sizeof(double));
+    integrator->reference_energy = tvi_arena_allocate_copied(arena, sizeof *integrator->reference_energy);
     end->q = tvi_arena_allocate_doubles(arena, (size_t)dimension + 1);
     end->p = tvi_arena_allocate_doubles(arena, (size_t)dimension);
     integrator->parameters = tvi_arena_allocate_doubles(arena, (size_t)tvi_system_parameters(integrator->system));
-    integrator->stop = tvi_arena_allocate(arena, tvi_size_of_stop_in_bytes(n));
+    integrator->stop = tvi_arena_allocate(arena, tvi_stop_bytes(n));
 }
 
 /* Allocates the memory in which energies and the field are evaluated. */
@@ -73,23 +71,22 @@ static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *sy
     laid.blocks = arena->first_tape_block;
     laid.history = arena->history;
     laid.copied_history_bytes = arena->copied_history_bytes;
-    laid.history_bytes = tvi_arena_bytes_kept_between_steps(arena);
+    laid.history_bytes = tvi_arena_history_bytes(arena);
     laid.history_before = laid.history ? laid.history + laid.history_bytes : NULL;
     laid.stats.is_compiled = options->compiled != NULL;
     laid.stats.bytes = tvi_arena_total_bytes(arena);
     if (!integrator) return NULL;
     const tvi_run_state *state = &laid.state;
-    laid.start = (tvi_run_state){map_address_to_history_copy_before_step(&laid, state->q),
-                                 map_address_to_history_copy_before_step(&laid, state->q_low),
-                                 map_address_to_history_copy_before_step(&laid, state->p),
-                                 map_address_to_history_copy_before_step(&laid, state->p_low)};
-    laid.was_state_from_step = map_address_to_history_copy_before_step(&laid, laid.is_state_from_step);
+    laid.start =
+        (tvi_run_state){address_in_history_before(&laid, state->q), address_in_history_before(&laid, state->q_low),
+                        address_in_history_before(&laid, state->p), address_in_history_before(&laid, state->p_low)};
+    laid.was_state_from_step = address_in_history_before(&laid, laid.is_state_from_step);
     *integrator = laid;
     return integrator;
 }
 
-static tvi_status create_integrator_with_resolved_options(tvi_integrator **out, const tvi_system *system,
-                                                          const tvi_options *resolved_options)
+static tvi_status create_resolved_integrator(tvi_integrator **out, const tvi_system *system,
+                                             const tvi_options *resolved_options)
 {
     tvi_arena arena = {0};
     (void)lay_out_integrator(&arena, system, resolved_options);
@@ -97,8 +94,8 @@ static tvi_status create_integrator_with_resolved_options(tvi_integrator **out, 
     tvi_integrator *it = *out = lay_out_integrator(&arena, system, resolved_options);
     tvi_compiled_add_user(resolved_options->compiled);
     tvi_blocks_set_constants(it->blocks);
-    tvi_system_read_recorded_parameters(system, it->parameters);
-    tvi_integrator_copy_parameters_to_tapes(it);
+    tvi_system_recorded_parameters(system, it->parameters);
+    tvi_integrator_apply_parameters(it);
     if (it->stepper->set_tables) it->stepper->set_tables(it->work);
     return TVI_OK;
 }
@@ -132,12 +129,12 @@ tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system,
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
     tvi_options resolved = options ? *options : tvi_options_default();
     const tvi_status status = resolve_options(system, &resolved, NULL);
-    return status == TVI_OK ? create_integrator_with_resolved_options(out, system, &resolved) : status;
+    return status == TVI_OK ? create_resolved_integrator(out, system, &resolved) : status;
 }
 
 tvi_status tvi_integrator_create_like(tvi_integrator **out, const tvi_integrator *it)
 {
-    const tvi_status status = create_integrator_with_resolved_options(out, it->system, &it->options);
+    const tvi_status status = create_resolved_integrator(out, it->system, &it->options);
     if (status == TVI_OK) tvi_integrator_load_parameters(*out, it->parameters, 1);
     return status;
 }

@@ -11,16 +11,16 @@
 /* The zero level and the scale of the energy, with which the guard (guard.c) judges the change of the energy in
  * a step. */
 typedef struct {
-    double zero_level_of_energy; /* the guard measures energies from this value of H, as H - zero_level_of_energy */
-    /* The size with which changes of the energy are compared: |H - zero_level_of_energy| when this level was set. When
-     * guard.c finds a lower level, the difference of the levels is added. */
+    double zero_level; /* the guard measures energies from this value of H, as H - zero_level */
+    /* The size with which changes of the energy are compared: |H - zero_level| when this level was set. When guard.c
+     * finds a lower level, the difference of the levels is added. */
     double energy_scale;
     double H; /* the energy at the current state */
-    /* True if guard.c has tried to find zero_level_of_energy and energy_scale. */
-    long has_tried_to_find_zero_level_of_energy;
-    long has_energy_scale; /* true if zero_level_of_energy and energy_scale are set; otherwise both are 0 */
-    /* True if zero_level_of_energy is an upper estimate, which guard.c may lower. */
-    long is_zero_level_of_energy_only_upper_bound;
+    /* True if guard.c has tried to find zero_level and energy_scale. */
+    long was_zero_level_searched;
+    long has_energy_scale; /* true if zero_level and energy_scale are set; otherwise both are 0 */
+    /* True if zero_level is an upper estimate, which guard.c may lower. */
+    long can_zero_level_be_lowered;
     long is_H_known; /* true if H is the energy at the current state; false if H is unset */
 } tvi_reference_energy;
 
@@ -37,13 +37,10 @@ typedef struct {
     double state[];                         /* [2n + 1] q, p and t of the stop */
 } tvi_event_stop;
 /* Returns the size of a tvi_event_stop, in bytes, for n coordinates. */
-static inline size_t tvi_size_of_stop_in_bytes(int n)
-{
-    return sizeof(tvi_event_stop) + (2 * (size_t)n + 1) * sizeof(double);
-}
+static inline size_t tvi_stop_bytes(int n) { return sizeof(tvi_event_stop) + (2 * (size_t)n + 1) * sizeof(double); }
 /* Clears a stop, so that the next run reports the events at its first state. The function is called when the user sets
  * parameters or loads a state from text, and before a new stop is stored. */
-static inline void tvi_event_stop_clear(tvi_event_stop *stop, int n) { memset(stop, 0, tvi_size_of_stop_in_bytes(n)); }
+static inline void tvi_event_stop_clear(tvi_event_stop *stop, int n) { memset(stop, 0, tvi_stop_bytes(n)); }
 
 struct tvi_integrator {
     const tvi_system *system; /* the user's system, with n coordinates */
@@ -117,7 +114,7 @@ void tvi_end_observer_call(tvi_integrator **integrator);
 TVI_NODISCARD tvi_status tvi_integrator_create_like(tvi_integrator **out, const tvi_integrator *integrator);
 
 /* Copies integrator->parameters to the memory in which tapes are evaluated. */
-void tvi_integrator_copy_parameters_to_tapes(tvi_integrator *integrator);
+void tvi_integrator_apply_parameters(tvi_integrator *integrator);
 
 /* Sets the parameters to value[tvi_system_parameters][stride]. Unlike tvi_integrator_set_parameters it clears neither
  * the history nor the last stop. */
@@ -128,7 +125,7 @@ TVI_NODISCARD tvi_status tvi_integrator_allocate_tangents(tvi_integrator *integr
 
 /* Tells whether the status is a failure that concerns one member alone, such as TVI_ENOCONV. All other failures concern
  * the whole run or the arguments of a call. */
-static inline bool tvi_is_failure_of_one_member_only(tvi_status status)
+static inline bool tvi_is_failure_of_member(tvi_status status)
 {
     return status == TVI_ENONFINITE || status == TVI_EDOMAIN || status == TVI_ENOCONV || status == TVI_ESINGULAR ||
            status == TVI_ETOOLARGE;

@@ -92,7 +92,7 @@ static tvi_status locate_events_of_step(tvi_locator *locator)
 }
 
 /* Calls the observer of events with the state of a root. Returns true if the observer stops the run at the root. */
-static bool report_event_and_tell_if_stopped(tvi_locator *locator, const tvi_event_root *root, const double state[])
+static bool report_event_of_root(tvi_locator *locator, const tvi_event_root *root, const double state[])
 {
     const int n = locator->search.integrator->system->n;
     const tvi_observers *observers = &locator->run->observers;
@@ -104,7 +104,7 @@ static bool report_event_and_tell_if_stopped(tvi_locator *locator, const tvi_eve
 
 /* Computes the tangent vectors at the root, if the observer of events may read them, or the user after a terminal
  * event. */
-static tvi_status propagate_tangent_columns_to_root(tvi_locator *locator, const tvi_event_root *root)
+static tvi_status propagate_columns_to_root(tvi_locator *locator, const tvi_event_root *root)
 {
     const bool is_seen =
         locator->run->observers.on_event || locator->search.watched_events[root->event_index].event->is_terminal;
@@ -117,8 +117,8 @@ static tvi_status propagate_tangent_columns_to_root(tvi_locator *locator, const 
 /* Sets *is_at_stop: true if the root lies at `state`, where the run stops at theta. This is so if the times are
  * equal. It is also so if the two theta differ by less than EVENT_NEAR_STOP and the sign of g at `state` contradicts
  * their order. */
-static tvi_status find_whether_root_is_at_stop(tvi_locator *locator, const tvi_event_root *root, double theta,
-                                               const double state[], bool *is_at_stop)
+static tvi_status check_root_at_stop(tvi_locator *locator, const tvi_event_root *root, double theta,
+                                     const double state[], bool *is_at_stop)
 {
     const int time = locator->state_size - 1;
     const double t = state[time], own = state_of_root(locator, root)[time];
@@ -126,15 +126,15 @@ static tvi_status find_whether_root_is_at_stop(tvi_locator *locator, const tvi_e
     *is_at_stop = fabs(own - t) <= EVENT_SAME_TIME * fmax(fabs(own), fabs(t));
     if (*is_at_stop || fabs(root->theta - theta) > EVENT_NEAR_STOP) return TVI_OK;
     const tvi_status status = tvi_search_evaluate_event(&locator->search, root->event_index, state, &g);
-    *is_at_stop = tvi_has_sign_after_root_or_is_zero(root, g) == (root->theta > theta);
+    *is_at_stop = tvi_has_sign_after_root(root, g) == (root->theta > theta);
     return status;
 }
 
 /* Sets *is_at_stop: true if the event crosses 0 at `state`, where the run stops, in the direction that the user has not
  * asked for. The search has skipped such crossings, so this function only tests whether |g| is at most its roundoff at
  * `state`. */
-static tvi_status find_whether_skipped_direction_root_is_at_stop(tvi_locator *locator, int event_index,
-                                                                 const double state[], bool *is_at_stop)
+static tvi_status check_skipped_root_at_stop(tvi_locator *locator, int event_index, const double state[],
+                                             bool *is_at_stop)
 {
     const tvi_watched_event *w = &locator->search.watched_events[event_index];
     double g = 0, roundoff = 0;
@@ -163,8 +163,8 @@ static void find_neighbouring_roots(const tvi_locator *locator, int event_index,
 /* Tells whether the event may cross 0 at the stop, at theta and the time t, in the direction that the user has not
  * asked for. Returns false if the stop is at the end of the step up to roundoff. Returns false also if later_root, the
  * event's next root, lies within one sample interval after the stop: g is small then because of that root. */
-static bool may_have_skipped_direction_root_at_stop(const tvi_locator *locator, int event_index,
-                                                    const tvi_event_root *later_root, double theta, double t)
+static bool may_have_skipped_root_at_stop(const tvi_locator *locator, int event_index, const tvi_event_root *later_root,
+                                          double theta, double t)
 {
     const double resolved = EVENT_SAME_STOP * fabs(t / locator->search.integrator->covered_time);
     return tvi_event_skips_a_direction(locator->search.watched_events[event_index].event) &&
@@ -175,23 +175,22 @@ static bool may_have_skipped_direction_root_at_stop(const tvi_locator *locator, 
 /* Sets *is_at_stop: true if the event lies at `state`, where the run stops because of root number stop_root_index. The
  * event may have this root, or an earlier or a later root that also lies at `state`. *unreported becomes this later
  * root, or NULL if there is none. */
-static tvi_status find_whether_event_is_at_stop(tvi_locator *locator, int event_index, int stop_root_index,
-                                                const double state[], bool *is_at_stop,
-                                                const tvi_event_root **unreported)
+static tvi_status check_event_at_stop(tvi_locator *locator, int event_index, int stop_root_index, const double state[],
+                                      bool *is_at_stop, const tvi_event_root **unreported)
 {
     const double theta = locator->search.roots[stop_root_index].theta;
     const tvi_event_root *earlier, *later;
     bool has_later = false, was_reported = locator->search.roots[stop_root_index].event_index == event_index;
     tvi_status status = TVI_OK;
     find_neighbouring_roots(locator, event_index, stop_root_index, &earlier, &later);
-    if (later) status = find_whether_root_is_at_stop(locator, later, theta, state, &has_later);
+    if (later) status = check_root_at_stop(locator, later, theta, state, &has_later);
     if (status == TVI_OK && earlier && !was_reported)
-        status = find_whether_root_is_at_stop(locator, earlier, theta, state, &was_reported);
+        status = check_root_at_stop(locator, earlier, theta, state, &was_reported);
     *is_at_stop = was_reported || has_later;
     *unreported = has_later ? later : NULL;
     if (status == TVI_OK && !*is_at_stop &&
-        may_have_skipped_direction_root_at_stop(locator, event_index, later, theta, state[locator->state_size - 1]))
-        status = find_whether_skipped_direction_root_is_at_stop(locator, event_index, state, is_at_stop);
+        may_have_skipped_root_at_stop(locator, event_index, later, theta, state[locator->state_size - 1]))
+        status = check_skipped_root_at_stop(locator, event_index, state, is_at_stop);
     return status;
 }
 
@@ -209,9 +208,9 @@ static tvi_status stop_run_at_event(tvi_locator *locator, int stop_root_index, c
         bool is_at_stop;
         const tvi_event_root *unreported;
         const tvi_status status =
-            find_whether_event_is_at_stop(locator, event_index, stop_root_index, state, &is_at_stop, &unreported);
+            check_event_at_stop(locator, event_index, stop_root_index, state, &is_at_stop, &unreported);
         if (status != TVI_OK) return status;
-        if (unreported) (void)report_event_and_tell_if_stopped(locator, unreported, state);
+        if (unreported) (void)report_event_of_root(locator, unreported, state);
         const tvi_event *event = locator->search.watched_events[event_index].event;
         if (is_at_stop && stop->event_count < TVI_STOP_EVENTS && !tvi_stop_has_event(stop, event))
             stop->event_hashes[stop->event_count++] = event->hash;
@@ -231,7 +230,7 @@ static tvi_status update_event_parameters(tvi_locator *locator)
     if (locator->partial_step.copied_parameter_version == it->parameter_version) return TVI_OK;
     tvi_search_set_parameters(&locator->search);
     tvi_state_rates_set_parameters(&locator->finder.rates_evaluator, it->parameters);
-    return tvi_partial_step_update_parameters(&locator->partial_step);
+    return tvi_partial_step_set_parameters(&locator->partial_step);
 }
 
 /* Copies a state [2n + 1] to the user's t, q and p. */
@@ -251,9 +250,9 @@ static tvi_status report_root(tvi_locator *locator, tvi_times_progress *times, i
     const tvi_event_root *root = &locator->search.roots[root_index];
     const double *state = state_of_root(locator, root);
     tvi_status status = times ? tvi_times_report_until(times, state[locator->state_size - 1]) : TVI_OK;
-    if (status == TVI_OK) status = propagate_tangent_columns_to_root(locator, root);
+    if (status == TVI_OK) status = propagate_columns_to_root(locator, root);
     if (status != TVI_OK) return status;
-    const bool ends = report_event_and_tell_if_stopped(locator, root, state);
+    const bool ends = report_event_of_root(locator, root, state);
     if (!ends && !locator->search.watched_events[root->event_index].event->is_terminal) return TVI_OK;
     status = stop_run_at_event(locator, root_index, state);
     if (status == TVI_ESTOPPED) copy_state_to_user(locator, state, t, q, p);
@@ -265,13 +264,13 @@ tvi_status tvi_locator_report_events(tvi_locator *locator, tvi_times_progress *t
     const tvi_tangent_columns *columns = &locator->run->columns;
     tvi_status status = update_event_parameters(locator);
     if (status == TVI_OK) status = locate_events_of_step(locator);
-    if (locator->search.has_stopping_event_come_again_at_same_time) {
+    if (locator->search.repeats_stop_at_same_time) {
         tvi_integrator_undo_step(locator->search.integrator, t, q, p);
         tvi_columns_restore_step_start(locator->search.integrator, columns);
     }
     for (int i = 0; i < locator->search.root_count && status == TVI_OK; i++)
         status = report_root(locator, times, i, t, q, p);
-    if (status != TVI_ESTOPPED && !locator->search.has_stopping_event_come_again_at_same_time)
+    if (status != TVI_ESTOPPED && !locator->search.repeats_stop_at_same_time)
         tvi_columns_restore_step_end(locator->search.integrator, columns);
     return status;
 }

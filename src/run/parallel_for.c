@@ -7,7 +7,7 @@
 #include <sched.h>
 #include <unistd.h>
 
-int tvi_parallel_default_thread_count(void)
+int tvi_parallel_thread_count(void)
 {
 #ifdef __linux__
     cpu_set_t allowed;

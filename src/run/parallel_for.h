@@ -28,7 +28,7 @@ struct tvi_parallel_team {
 };
 
 /* Returns the number of processors that this process may use. */
-int tvi_parallel_default_thread_count(void);
+int tvi_parallel_thread_count(void);
 
 /* Calls body(ctx, thread, i) for each i < count, in any order, in several threads, of which the caller is number 0.
  * Each thread has its own number, and makes one call at a time. If threads cannot be started, the others make all

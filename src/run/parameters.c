@@ -8,7 +8,7 @@
 
 static tvi_status refuse_null_integrator(void) { return jet_refuse(TVI_EINVAL, "integrator is NULL"); }
 
-void tvi_integrator_copy_parameters_to_tapes(tvi_integrator *it)
+void tvi_integrator_apply_parameters(tvi_integrator *it)
 {
     tvi_blocks_set_parameters(it->blocks, tvi_system_parameters(it->system), it->parameters);
 }
@@ -20,7 +20,7 @@ void tvi_integrator_load_parameters(tvi_integrator *it, const double value[], si
         is_same = is_same && it->parameters[i] == value[(size_t)i * stride];
         it->parameters[i] = value[(size_t)i * stride];
     }
-    if (!is_same) tvi_integrator_copy_parameters_to_tapes(it);
+    if (!is_same) tvi_integrator_apply_parameters(it);
 }
 
 tvi_status tvi_integrator_set_parameters(tvi_integrator *it, const double value[])
@@ -33,7 +33,7 @@ tvi_status tvi_integrator_set_parameters(tvi_integrator *it, const double value[
         if (!isfinite(value[i])) return jet_refuse(TVI_ENONFINITE, "value[%d] is not finite", i);
     if (count == 0) return TVI_OK;
     memmove(it->parameters, value, (size_t)count * sizeof *value);
-    tvi_integrator_copy_parameters_to_tapes(it);
+    tvi_integrator_apply_parameters(it);
     tvi_integrator_reset(it);
     it->has_dense_output = false;
     tvi_event_stop_clear(it->stop, it->system->n); /* The events at the last stop had other parameters. */

@@ -10,17 +10,17 @@
 #include <string.h>
 
 tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator *full_step_integrator,
-                                 bool predicts_from_history_after_full_step)
+                                 bool uses_history_after_step)
 {
     const size_t n = (size_t)full_step_integrator->system->n, wide = 2 * (n + 1) + 1;
     *partial_step = (tvi_partial_step){.full_step_integrator = full_step_integrator,
-                                       .predicts_from_history_after_full_step = predicts_from_history_after_full_step,
+                                       .uses_history_after_step = uses_history_after_step,
                                        .copied_parameter_version = full_step_integrator->parameter_version};
     partial_step->q = calloc(2 * n + 2 * wide, sizeof *partial_step->q);
     if (!partial_step->q) return jet_explain_out_of_memory(TVI_ENOMEM);
     partial_step->p = partial_step->q + n;
-    partial_step->state_whose_derivative_is_evaluated = partial_step->p + n;
-    partial_step->rates_output = partial_step->state_whose_derivative_is_evaluated + wide;
+    partial_step->rates_input = partial_step->p + n;
+    partial_step->rates_output = partial_step->rates_input + wide;
     tvi_status status = tvi_integrator_create_like(&partial_step->partial_step_integrator, full_step_integrator);
     if (status == TVI_OK && tvi_is_rescaled(full_step_integrator))
         status = tvi_state_rates_open(&partial_step->rates_evaluator, full_step_integrator->system->stepped_system,
@@ -37,7 +37,7 @@ void tvi_partial_step_close(tvi_partial_step *partial_step)
     *partial_step = (tvi_partial_step){0};
 }
 
-tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step)
+tvi_status tvi_partial_step_set_parameters(tvi_partial_step *partial_step)
 {
     const tvi_integrator *it = partial_step->full_step_integrator;
     if (partial_step->copied_parameter_version == it->parameter_version) return TVI_OK;
@@ -50,25 +50,20 @@ tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step)
 
 /* Sets the history from which the partial step of size `offset` starts. It has two parts. The first part, the low-order
  * parts of the state's numbers, is always copied from the start of the full step. The second part is what the corrector
- * has learned, from which it predicts its unknowns. If predicts_from_history_after_full_step is false, this part, too,
- * is copied from the start of the full step. If it is true, this part is copied from the end of the full step; but if
- * the last partial step began at the same full step and had almost the size `offset`, this part is kept as that partial
- * step left it. */
-static void copy_history_to_partial_step_integrator(tvi_partial_step *partial_step, double offset)
+ * has learned, from which it predicts its unknowns. If uses_history_after_step is false, this part, too, is copied from
+ * the start of the full step. If it is true, this part is copied from the end of the full step; but if the last partial
+ * step began at the same full step and had almost the size `offset`, this part is kept as that partial step left it. */
+static void set_partial_step_history(tvi_partial_step *partial_step, double offset)
 {
     const tvi_integrator *it = partial_step->full_step_integrator;
-    const size_t state =
-        partial_step->predicts_from_history_after_full_step ? it->state_bytes : it->copied_history_bytes;
-    const bool is_near =
-        partial_step->predicts_from_history_after_full_step && partial_step->full_step_number == it->stats.steps &&
-        partial_step->partial_step_size_to_stored_state != it->h &&
-        partial_step->partial_step_size_to_stored_state != 0 &&
-        fabs(offset - partial_step->partial_step_size_to_stored_state) < PARTIAL_STEP_NEAR * fabs(it->h);
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(partial_step->partial_step_integrator->history, it->history_before,
-                                                state);
+    const size_t state = partial_step->uses_history_after_step ? it->state_bytes : it->copied_history_bytes;
+    const bool is_near = partial_step->uses_history_after_step && partial_step->full_step_number == it->stats.steps &&
+                         partial_step->stored_state_offset != it->h && partial_step->stored_state_offset != 0 &&
+                         fabs(offset - partial_step->stored_state_offset) < PARTIAL_STEP_NEAR * fabs(it->h);
+    tvi_arena_copy_history(partial_step->partial_step_integrator->history, it->history_before, state);
     if (!is_near)
-        tvi_arena_copy_or_clear_with_sanitizer_gaps(partial_step->partial_step_integrator->history + state,
-                                                    it->history + state, it->history_bytes - state);
+        tvi_arena_copy_history(partial_step->partial_step_integrator->history + state, it->history + state,
+                               it->history_bytes - state);
 }
 
 tvi_status tvi_partial_step_compute_state(tvi_partial_step *partial_step, double offset)
@@ -76,21 +71,20 @@ tvi_status tvi_partial_step_compute_state(tvi_partial_step *partial_step, double
     const tvi_integrator *it = partial_step->full_step_integrator;
     const size_t bytes = (size_t)it->system->n * sizeof *partial_step->q;
     const bool is_end = offset == it->h;
-    if (partial_step->full_step_number == it->stats.steps && partial_step->partial_step_size_to_stored_state == offset)
-        return TVI_OK;
+    if (partial_step->full_step_number == it->stats.steps && partial_step->stored_state_offset == offset) return TVI_OK;
     const tvi_run_state *state = is_end ? &it->state : &it->start;
     partial_step->t = state->q[it->system->n];
     memcpy(partial_step->q, state->q, bytes);
     memcpy(partial_step->p, state->p, bytes);
     if (!is_end && offset != 0) {
-        copy_history_to_partial_step_integrator(partial_step, offset);
+        set_partial_step_history(partial_step, offset);
         partial_step->full_step_number = 0;
         const tvi_status status =
             tvi_step(partial_step->partial_step_integrator, offset, &partial_step->t, partial_step->q, partial_step->p);
         if (status != TVI_OK) return status;
     }
     partial_step->full_step_number = it->stats.steps;
-    partial_step->partial_step_size_to_stored_state = offset;
+    partial_step->stored_state_offset = offset;
     return TVI_OK;
 }
 
@@ -127,13 +121,11 @@ static tvi_status compute_dt_ds(tvi_partial_step *partial_step, double *dt_ds)
 {
     const tvi_integrator *partial = partial_step->partial_step_integrator;
     const size_t n = (size_t)partial->stepped->n;
-    memcpy(partial_step->state_whose_derivative_is_evaluated, partial->state.q,
-           n * sizeof *partial_step->state_whose_derivative_is_evaluated);
-    memcpy(partial_step->state_whose_derivative_is_evaluated + n, partial->state.p,
-           n * sizeof *partial_step->state_whose_derivative_is_evaluated);
-    partial_step->state_whose_derivative_is_evaluated[2 * n] = partial->state.q[n];
-    const tvi_status status = tvi_state_rates_compute(
-        &partial_step->rates_evaluator, partial_step->state_whose_derivative_is_evaluated, partial_step->rates_output);
+    memcpy(partial_step->rates_input, partial->state.q, n * sizeof *partial_step->rates_input);
+    memcpy(partial_step->rates_input + n, partial->state.p, n * sizeof *partial_step->rates_input);
+    partial_step->rates_input[2 * n] = partial->state.q[n];
+    const tvi_status status =
+        tvi_state_rates_compute(&partial_step->rates_evaluator, partial_step->rates_input, partial_step->rates_output);
     *dt_ds = partial_step->rates_output[partial->system->n];
     return status;
 }
@@ -164,7 +156,7 @@ static tvi_status compute_state_at_time_by_newton(tvi_partial_step *partial_step
     return tvi_partial_step_compute_state(partial_step, least < INFINITY ? best : offset);
 }
 
-tvi_status tvi_partial_step_compute_state_at_time(tvi_partial_step *partial_step, double time)
+tvi_status tvi_partial_step_to_time(tvi_partial_step *partial_step, double time)
 {
     const tvi_integrator *it = partial_step->full_step_integrator;
     const int n = it->system->n;

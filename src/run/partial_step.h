@@ -16,25 +16,25 @@ typedef struct {
     tvi_integrator *partial_step_integrator;
     /* If true, the corrector of a partial step begins with what it had learned by the end of the full step, and not
      * with what it knew at the start of that step. This saves passes, but changes the roundoff of the results. */
-    bool predicts_from_history_after_full_step;
+    bool uses_history_after_step;
     double t, *q, *p;                    /* the state (t, q[n], p[n]) that was computed last */
     tvi_rates_evaluator rates_evaluator; /* evaluates dq/ds and dp/ds of a rescaled system; unused otherwise */
     /* Scratch memory: a state [2(n+1)+1] of a rescaled system, and its derivatives by s [2(n+1)]. */
-    double *state_whose_derivative_is_evaluated, *rates_output;
+    double *rates_input, *rates_output;
     long copied_parameter_version; /* full_step_integrator->parameter_version when the parameters were last copied */
     long full_step_number;         /* the number of the full step that the state lies in; 0 if there is no state */
     /* The distance, 0 to h, of the state (t, q, p) from the start of the full step. */
-    double partial_step_size_to_stored_state;
+    double stored_state_offset;
 } tvi_partial_step;
 
 /* Creates the integrator for the partial steps, and allocates the memory. */
 TVI_NODISCARD tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator *full_step_integrator,
-                                               bool predicts_from_history_after_full_step);
+                                               bool uses_history_after_step);
 void tvi_partial_step_close(tvi_partial_step *partial_step);
 
 /* Copies the parameters of the last full step to the integrator of the partial steps, if they have changed since the
  * last copy. */
-TVI_NODISCARD tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step);
+TVI_NODISCARD tvi_status tvi_partial_step_set_parameters(tvi_partial_step *partial_step);
 
 /* Computes the state at the given offset from the start of the last full step of size h, 0 <= offset / h <= 1. At
  * offsets 0 and h it returns the state of the full step itself, bit for bit. It fails with the statuses of tvi_step. */
@@ -45,6 +45,6 @@ void tvi_partial_step_copy_state(const tvi_partial_step *partial_step, double st
 
 /* Computes the state at the given time, which must lie in the last full step. The time of the computed state agrees
  * with `time` to roundoff. */
-TVI_NODISCARD tvi_status tvi_partial_step_compute_state_at_time(tvi_partial_step *partial_step, double time);
+TVI_NODISCARD tvi_status tvi_partial_step_to_time(tvi_partial_step *partial_step, double time);
 
 #endif

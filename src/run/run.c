@@ -62,10 +62,10 @@ static tvi_status shorten_step_to_end_time(tvi_integrator *it, double t_end, dou
 {
     tvi_partial_step partial_step;
     const tvi_status opened = tvi_partial_step_open(&partial_step, it, false);
-    tvi_status status = opened == TVI_OK ? tvi_partial_step_compute_state_at_time(&partial_step, t_end) : opened;
+    tvi_status status = opened == TVI_OK ? tvi_partial_step_to_time(&partial_step, t_end) : opened;
     tvi_integrator_undo_step(it, t, q, p);
-    if (status == TVI_OK && partial_step.partial_step_size_to_stored_state != 0)
-        status = tvi_step(it, partial_step.partial_step_size_to_stored_state, t, q, p);
+    if (status == TVI_OK && partial_step.stored_state_offset != 0)
+        status = tvi_step(it, partial_step.stored_state_offset, t, q, p);
     if (opened == TVI_OK) tvi_partial_step_close(&partial_step);
     return status;
 }
@@ -203,9 +203,8 @@ int tvi_taylor_order(double tolerance)
 }
 
 /* Checks those arguments that the run's mode needs, and sets the schedule of its steps. */
-static tvi_status check_arguments_and_schedule_steps_of_run(const tvi_integrator *it, const tvi_single_run *run,
-                                                            double t, const double q[], const double p[],
-                                                            tvi_schedule *schedule)
+static tvi_status set_run_schedule(const tvi_integrator *it, const tvi_single_run *run, double t, const double q[],
+                                   const double p[], tvi_schedule *schedule)
 {
     const double h = run->plan->h;
     if (!tvi_events_match_dimension(it, run->plan->events, run->plan->event_count)) return TVI_EINVAL;
@@ -237,7 +236,7 @@ static tvi_status make_next_step(const run_in_progress *in_progress, double *t, 
     tvi_status status =
         in_progress->schedule.step(in_progress->integrator, &in_progress->schedule, t, q, p, is_end_of_run);
     if (status != TVI_OK || in_progress->integrator->stats.steps == before) return status;
-    status = tvi_columns_propagate_by_last_step(in_progress->integrator, &in_progress->run->columns);
+    status = tvi_columns_propagate_by_step(in_progress->integrator, &in_progress->run->columns);
     if (status != TVI_OK) tvi_integrator_undo_step(in_progress->integrator, t, q, p);
     return status;
 }
@@ -248,7 +247,7 @@ static tvi_status report_times_events_and_step(const run_in_progress *in_progres
 {
     const tvi_observers *observers = &in_progress->run->observers;
     tvi_status status =
-        in_progress->times ? tvi_partial_step_update_parameters(&in_progress->times->partial_step) : TVI_OK;
+        in_progress->times ? tvi_partial_step_set_parameters(&in_progress->times->partial_step) : TVI_OK;
     if (status == TVI_OK && in_progress->locator)
         status = tvi_locator_report_events(in_progress->locator, in_progress->times, t, q, p);
     if (status == TVI_OK && in_progress->times) status = tvi_times_report_until(in_progress->times, *t);
@@ -307,7 +306,7 @@ tvi_status tvi_run_integrator(tvi_integrator *it, const tvi_single_run *run, dou
 {
     if (!it || !t || !q || !p) return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, t, q, p, 1}, "");
     run_in_progress in_progress = {.integrator = it, .run = run};
-    tvi_status status = check_arguments_and_schedule_steps_of_run(it, run, *t, q, p, &in_progress.schedule);
+    tvi_status status = set_run_schedule(it, run, *t, q, p, &in_progress.schedule);
     if (status == TVI_OK && run->columns.elements) status = tvi_integrator_allocate_tangents(it, run->columns.count);
     if (status == TVI_OK && run->columns.elements) status = tvi_columns_check_finite(it, &run->columns);
     if (status == TVI_OK && (in_progress.schedule.loads_user_state || it->is_in_observer))

@@ -54,7 +54,7 @@ tvi_status tvi_saved_write(const tvi_saved_identity *identity, const tvi_saved_p
     memcpy(at, identity, sizeof *identity);
     at += sizeof *identity;
     for (int i = 0; i < pieces->piece_count; at += pieces->piece[i++].bytes)
-        tvi_arena_copy_or_clear_with_sanitizer_gaps(at, pieces->piece[i].data, pieces->piece[i].bytes);
+        tvi_arena_copy_history(at, pieces->piece[i].data, pieces->piece[i].bytes);
     tvi_saved_add_checksum(buffer, bytes);
     return TVI_OK;
 }
@@ -97,8 +97,8 @@ const char *tvi_saved_piece_address(const tvi_saved_pieces *pieces, int index, c
 
 void tvi_saved_load_piece(const tvi_saved_pieces *pieces, int index, const void *buffer)
 {
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(
-        pieces->piece[index].data, tvi_saved_piece_address(pieces, index, buffer), pieces->piece[index].bytes);
+    tvi_arena_copy_history(pieces->piece[index].data, tvi_saved_piece_address(pieces, index, buffer),
+                           pieces->piece[index].bytes);
 }
 
 bool tvi_saved_stats_are_valid(const void *bytes)
@@ -127,7 +127,7 @@ bool tvi_saved_stops_are_valid(const void *bytes, int n, int members)
 {
     for (int m = 0; m < members; m++) {
         tvi_event_stop stop;
-        memcpy(&stop, (const char *)bytes + (size_t)m * tvi_size_of_stop_in_bytes(n), sizeof stop);
+        memcpy(&stop, (const char *)bytes + (size_t)m * tvi_stop_bytes(n), sizeof stop);
         if (stop.event_count < 0 || stop.event_count > TVI_STOP_EVENTS) return false;
     }
     return true;
@@ -140,7 +140,7 @@ bool tvi_loaded_history_is_valid(const tvi_integrator *it)
     const int dimension = it->stepped->n;
     return tvi_all_finite(dimension + 1, state->q) && tvi_all_finite(dimension + 1, state->q_low) &&
            tvi_all_finite(dimension, state->p) && tvi_all_finite(dimension, state->p_low) &&
-           isfinite(reference->zero_level_of_energy) && isfinite(reference->energy_scale) &&
+           isfinite(reference->zero_level) && isfinite(reference->energy_scale) &&
            (!reference->is_H_known || isfinite(reference->H)) &&
            (!it->stepper->is_history_valid || it->stepper->is_history_valid(it->work));
 }

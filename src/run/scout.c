@@ -48,19 +48,15 @@ static double estimate_resolving_step_size(const tvi_integrated_orbit *orbit, do
 
 /* Records a step of size h, and returns the size of the next one. The last step before the end of the run may be short.
  * For this step the resolving step size of the step before is recorded. */
-static double record_step_and_choose_next_size(tvi_orbit_scout *scout, const tvi_integrated_orbit *orbit, double h,
-                                               bool is_last_step)
+static double record_scout_step(tvi_orbit_scout *scout, const tvi_integrated_orbit *orbit, double h, bool is_last_step)
 {
     const double scale = estimate_resolving_step_size(orbit, h);
-    scout->state_abscissas_in_time_or_s[scout->step_count + 1] =
-        scout->state_abscissas_in_time_or_s[scout->step_count] + h;
-    scout->orbit_resolving_step_size_estimate[scout->step_count] =
-        is_last_step && scout->step_count > 0 ? scout->orbit_resolving_step_size_estimate[scout->step_count - 1]
-                                              : scale;
-    if (fabs(scout->orbit_resolving_step_size_estimate[scout->step_count]) <
-        SCOUT_HARDER_FACTOR *
-            fabs(scout->orbit_resolving_step_size_estimate[scout->smallest_resolving_step_size_index]))
-        scout->smallest_resolving_step_size_index = scout->step_count;
+    scout->state_abscissas[scout->step_count + 1] = scout->state_abscissas[scout->step_count] + h;
+    scout->resolving_step_size[scout->step_count] =
+        is_last_step && scout->step_count > 0 ? scout->resolving_step_size[scout->step_count - 1] : scale;
+    if (fabs(scout->resolving_step_size[scout->step_count]) <
+        SCOUT_HARDER_FACTOR * fabs(scout->resolving_step_size[scout->hardest_step_index]))
+        scout->hardest_step_index = scout->step_count;
     scout->step_count++;
     update_largest_q_and_p(scout, orbit);
     return tvi_number_nearer_to_zero(scale, SCOUT_MAX_GROWTH * h);
@@ -68,8 +64,7 @@ static double record_step_and_choose_next_size(tvi_orbit_scout *scout, const tvi
 
 /* Tries a step of size h, or of remaining_time if that is shorter. Returns the size of the next step, or of another try
  * if this one has failed or has been undone. */
-static double try_step_and_choose_next_size(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double h,
-                                            double remaining_time)
+static double try_scout_step(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double h, double remaining_time)
 {
     const bool is_last_step = !tvi_is_rescaled(orbit->integrator) && fabs(remaining_time) <= fabs(h);
     const double size = is_last_step ? remaining_time : h;
@@ -83,28 +78,27 @@ static double try_step_and_choose_next_size(tvi_orbit_scout *scout, tvi_integrat
         return size * (scout->step_count == 0 ? SCOUT_FIRST_FAILED_FACTOR : SCOUT_FAILED_FACTOR);
     const bool may_try = scout->step_count > 0 || scout->tried_step_count < SCOUT_MAX_STEPS / 2;
     if (tvi_integrator_stats(orbit->integrator)->tail <= SCOUT_MAX_TAIL || !may_try)
-        return record_step_and_choose_next_size(scout, orbit, size, is_last_step);
+        return record_scout_step(scout, orbit, size, is_last_step);
     tvi_integrator_undo_step(orbit->integrator, &orbit->t, orbit->q, orbit->p);
     return estimate_resolving_step_size(orbit, size);
 }
 
 /* Tells whether two steps of half the size of the first step end near the end of the first step. */
-static bool do_half_steps_agree_with_first_step(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
+static bool do_half_steps_agree(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
 {
     const int n = scout->n;
     const double *const end = tvi_scout_state(scout, 1);
     double size[2] = {0, 0}, apart[2] = {0, 0};
     store_current_state(scout, orbit);
-    tvi_integrated_orbit_set_state(orbit, n, scout->states_along_explored_orbit);
+    tvi_integrated_orbit_set_state(orbit, n, scout->explored_states);
     for (int half = 0; half < 2 && scout->last_status == TVI_OK; half++) {
         scout->tried_step_count++;
-        scout->last_status =
-            tvi_step(orbit->integrator, scout->state_abscissas_in_time_or_s[1] / 2, &orbit->t, orbit->q, orbit->p);
+        scout->last_status = tvi_step(orbit->integrator, scout->state_abscissas[1] / 2, &orbit->t, orbit->q, orbit->p);
     }
     for (int i = 0; i < 2 * n; i++) {
         const double x = i < n ? orbit->q[i] : orbit->p[i - n];
         apart[i / n] = fmax(apart[i / n], fabs(x - end[i]));
-        size[i / n] = fmax(size[i / n], fmax(fabs(x), fabs(scout->states_along_explored_orbit[i])));
+        size[i / n] = fmax(size[i / n], fmax(fabs(x), fabs(scout->explored_states[i])));
     }
     tvi_integrated_orbit_set_state(orbit, n, end);
     return scout->last_status == TVI_OK && apart[0] <= SCOUT_MAX_DISTANCE * size[0] &&
@@ -115,16 +109,16 @@ static bool do_half_steps_agree_with_first_step(tvi_orbit_scout *scout, tvi_inte
  * may be far away, where no force acts. Systems that do not conserve the energy are judged by two half steps. If the
  * energy is nearly 0, its change is compared with p.dq/dt, about twice the kinetic energy; p is taken from both ends,
  * since the motion may be at rest at one end. */
-static bool is_energy_conserved_by_first_step(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
+static bool is_energy_conserved(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
 {
     const tvi_system *system = orbit->integrator->system;
-    const double *const q = scout->states_along_explored_orbit, *const p = q + scout->n, t = q[2 * scout->n];
+    const double *const q = scout->explored_states, *const p = q + scout->n, t = q[2 * scout->n];
     double before, after, action = 0;
-    if (system->uses_time || system->is_driven) return do_half_steps_agree_with_first_step(scout, orbit);
+    if (system->uses_time || system->is_driven) return do_half_steps_agree(scout, orbit);
     const tvi_status first = tvi_energy(system, t, q, p, &before);
     scout->last_status = first == TVI_OK ? tvi_energy(system, orbit->t, orbit->q, orbit->p, &after) : first;
     if (scout->last_status == TVI_ENOMEM) return true;
-    if (first != TVI_OK) return do_half_steps_agree_with_first_step(scout, orbit);
+    if (first != TVI_OK) return do_half_steps_agree(scout, orbit);
     if (scout->last_status != TVI_OK) return false;
     for (int i = 0; i < scout->n; i++) action += (fabs(p[i]) + fabs(orbit->p[i])) * fabs(orbit->q[i] - q[i]);
     return fabs(after - before) <= SCOUT_MAX_ENERGY_CHANGE * fmax(fabs(before), action / fabs(orbit->t - t));
@@ -135,18 +129,18 @@ static bool is_energy_conserved_by_first_step(tvi_orbit_scout *scout, tvi_integr
 static bool is_first_step_too_large(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double next_step_size)
 {
     return scout->step_count == 1 &&
-           (fabs(next_step_size) < SCOUT_FIRST_FAILED_FACTOR * fabs(scout->state_abscissas_in_time_or_s[1]) ||
-            !is_energy_conserved_by_first_step(scout, orbit));
+           (fabs(next_step_size) < SCOUT_FIRST_FAILED_FACTOR * fabs(scout->state_abscissas[1]) ||
+            !is_energy_conserved(scout, orbit));
 }
 
 /* Restores the state at the start of the run, and returns a shorter size for the first step. */
 static double restart_with_shorter_step(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
 {
-    tvi_integrated_orbit_set_state(orbit, scout->n, scout->states_along_explored_orbit);
-    scout->step_count = scout->smallest_resolving_step_size_index = 0;
+    tvi_integrated_orbit_set_state(orbit, scout->n, scout->explored_states);
+    scout->step_count = scout->hardest_step_index = 0;
     scout->largest_q = scout->largest_p = 0;
     update_largest_q_and_p(scout, orbit);
-    return SCOUT_FIRST_FAILED_FACTOR * scout->state_abscissas_in_time_or_s[1];
+    return SCOUT_FIRST_FAILED_FACTOR * scout->state_abscissas[1];
 }
 
 tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double duration)
@@ -154,31 +148,28 @@ tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_integrated_orbit 
     const double start = orbit->t, end = start + duration;
     double h = duration;
     update_largest_q_and_p(scout, orbit);
-    while (scout->tried_step_count < SCOUT_MAX_STEPS && scout->explored_fraction_of_duration < 1 &&
-           !scout->is_degree_too_low_for_error_estimate_by_tail && scout->last_status != TVI_ENOMEM) {
-        h = try_step_and_choose_next_size(scout, orbit, h, end - orbit->t);
+    while (scout->tried_step_count < SCOUT_MAX_STEPS && scout->explored_fraction < 1 &&
+           !scout->is_degree_too_low_for_tail && scout->last_status != TVI_ENOMEM) {
+        h = try_scout_step(scout, orbit, h, end - orbit->t);
         if (is_first_step_too_large(scout, orbit, h)) h = restart_with_shorter_step(scout, orbit);
-        scout->explored_fraction_of_duration = fmin((orbit->t - start) / duration, 1);
-        scout->is_degree_too_low_for_error_estimate_by_tail =
-            scout->step_count == 1 && orbit->integrator->options.degree <= 2;
+        scout->explored_fraction = fmin((orbit->t - start) / duration, 1);
+        scout->is_degree_too_low_for_tail = scout->step_count == 1 && orbit->integrator->options.degree <= 2;
     }
     store_current_state(scout, orbit);
     return scout->step_count > 0 && scout->last_status != TVI_ENOMEM ? TVI_OK : scout->last_status;
 }
 
-double tvi_scout_integrate_relative_error_density(const tvi_orbit_scout *scout, double from_abscissa,
-                                                  double to_abscissa)
+double tvi_scout_weighted_length(const tvi_orbit_scout *scout, double from_abscissa, double to_abscissa)
 {
-    const double end = scout->state_abscissas_in_time_or_s[scout->step_count],
-                 hardest = scout->orbit_resolving_step_size_estimate[scout->smallest_resolving_step_size_index];
+    const double end = scout->state_abscissas[scout->step_count],
+                 hardest = scout->resolving_step_size[scout->hardest_step_index];
     double sum = 0, all = 0;
     for (int k = 0; k < scout->step_count; k++) {
-        const double weight =
-            fmax(pow(hardest / scout->orbit_resolving_step_size_estimate[k], SCOUT_ERROR_POWER), SCOUT_MIN_WEIGHT);
-        const double way = fmin(fabs(to_abscissa), fabs(scout->state_abscissas_in_time_or_s[k + 1])) -
-                           fmax(fabs(from_abscissa), fabs(scout->state_abscissas_in_time_or_s[k]));
+        const double weight = fmax(pow(hardest / scout->resolving_step_size[k], SCOUT_ERROR_POWER), SCOUT_MIN_WEIGHT);
+        const double way = fmin(fabs(to_abscissa), fabs(scout->state_abscissas[k + 1])) -
+                           fmax(fabs(from_abscissa), fabs(scout->state_abscissas[k]));
         sum += fmax(way, 0) * weight;
-        all += fabs(scout->state_abscissas_in_time_or_s[k + 1] - scout->state_abscissas_in_time_or_s[k]) * weight;
+        all += fabs(scout->state_abscissas[k + 1] - scout->state_abscissas[k]) * weight;
     }
     return sum + fmax(fabs(to_abscissa) - fabs(end), 0) * all / fabs(end);
 }

@@ -22,26 +22,26 @@ void tvi_integrated_orbit_set_state(tvi_integrated_orbit *orbit, int n, const do
 typedef struct {
     int n; /* the number of coordinates of the orbit */
     /* [SCOUT_MAX_STEPS + 1][2n + 1] The states (q, p, t) between the steps, in memory of the caller. */
-    double *states_along_explored_orbit;
+    double *explored_states;
     long tried_step_count; /* the number of tried steps, including those that failed or were undone */
     int step_count;        /* the number of steps that succeeded; step k leads from state k to state k + 1 */
-    double state_abscissas_in_time_or_s[SCOUT_MAX_STEPS + 1]; /* the abscissas of the states */
+    double state_abscissas[SCOUT_MAX_STEPS + 1]; /* the abscissas of the states */
     /* At each step, the estimated size of a step that resolves the orbit there: its tail would be
      * SCOUT_RESOLVING_TAIL. */
-    double orbit_resolving_step_size_estimate[SCOUT_MAX_STEPS];
-    /* The index of the hardest step, the one with the least orbit_resolving_step_size_estimate. */
-    int smallest_resolving_step_size_index;
-    double explored_fraction_of_duration; /* the part of the duration of the run that the scout has covered, 0 to 1 */
+    double resolving_step_size[SCOUT_MAX_STEPS];
+    /* The index of the hardest step, the one with the least resolving_step_size. */
+    int hardest_step_index;
+    double explored_fraction; /* the part of the duration of the run that the scout has covered, 0 to 1 */
     /* True if the degree of the curve of the method is at most 2. The tails of such curves are no estimate of an
      * error, so only one step is made. */
-    bool is_degree_too_low_for_error_estimate_by_tail;
+    bool is_degree_too_low_for_tail;
     double largest_q, largest_p; /* the largest |q_i| and the largest |p_i| along the orbit */
     tvi_status last_status;      /* the status of the last step */
 } tvi_orbit_scout;
 /* Returns the state [2n + 1] after state_index steps of the scout. */
 static inline double *tvi_scout_state(const tvi_orbit_scout *scout, int state_index)
 {
-    return scout->states_along_explored_orbit + (size_t)state_index * (size_t)(2 * scout->n + 1);
+    return scout->explored_states + (size_t)state_index * (size_t)(2 * scout->n + 1);
 }
 
 /* Explores the orbit from its current state by at most SCOUT_MAX_STEPS steps, or to the end of the run. It fails if no
@@ -50,7 +50,6 @@ TVI_NODISCARD tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_int
 
 /* Returns the distance between two abscissas, in which each step of the scout is weighted by the error that a run makes
  * there. The weight of the hardest step is 1, and that of every other step at most 1. */
-double tvi_scout_integrate_relative_error_density(const tvi_orbit_scout *scout, double from_abscissa,
-                                                  double to_abscissa);
+double tvi_scout_weighted_length(const tvi_orbit_scout *scout, double from_abscissa, double to_abscissa);
 
 #endif

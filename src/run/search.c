@@ -88,7 +88,7 @@ static tvi_event_root *add_root(tvi_event_search *search, int event_index, int g
                               .index_in_order_found = search->root_count,
                               .g_sign_after = g_sign_after,
                               .bracket = {left.theta, left.g, right.theta, right.g},
-                              .is_next_zero_after_zero_at_step_start =
+                              .is_return_to_zero =
                                   left.theta == 0 && search->watched_events[event_index].is_zero_at_step_start,
                               .theta_guess = NAN};
     search->root_count++;
@@ -150,7 +150,7 @@ static bool is_local_minimum_of_abs_g(const double g[])
  * between the first two samples. abs_g_increase_to_next_sample is the increase of |g| between these samples. The slope
  * at the start is that of the polynomial through five samples. With stride = -1 the samples are read backwards from the
  * end of the step. */
-static bool does_abs_g_fall_or_stay_flat_into_step(const double g[], int stride, double abs_g_increase_to_next_sample)
+static bool is_abs_g_falling_or_flat(const double g[], int stride, double abs_g_increase_to_next_sample)
 {
     const double slope = -25 * g[0] + 48 * g[stride] - 36 * g[2 * stride] + 16 * g[3 * stride] - 3 * g[4 * stride];
     return (g[0] > 0 ? slope : -slope) <= 12 * EVENT_FLAT_SLOPE * abs_g_increase_to_next_sample;
@@ -186,7 +186,7 @@ static bool may_have_dip_at_boundary(const double g[], int stride)
      * sample before the end. */
     const bool rises = stride > 0 ? abs_g_increase >= 0 : abs_g_increase > 0;
     return have_same_nonzero_sign(g[0], g[stride]) && rises &&
-           (does_abs_g_fall_or_stay_flat_into_step(g, stride, abs_g_increase) || has_kink_at_boundary(g, stride));
+           (is_abs_g_falling_or_flat(g, stride, abs_g_increase) || has_kink_at_boundary(g, stride));
 }
 
 /* Tells whether g certainly has no root in the step: all samples are finite and have one sign, and |g| has no dip. Most
@@ -230,7 +230,7 @@ static tvi_status search_between_samples(tvi_event_search *search, int event_ind
     if (status != TVI_OK) return status;
     if (left.g != 0 && right.g != 0 && tvi_sign(left.g) != tvi_sign(right.g)) {
         tvi_event_root *root = add_root(search, event_index, tvi_sign(right.g), left, right);
-        if (root && may_interpolate && !root->is_next_zero_after_zero_at_step_start)
+        if (root && may_interpolate && !root->is_return_to_zero)
             root->theta_guess =
                 guess_root_by_interpolation(search->watched_events[event_index].g_samples, root->bracket.left,
                                             root->bracket.g_left, root->bracket.right, root->bracket.g_right);
@@ -247,7 +247,7 @@ static tvi_status drop_roots_if_g_is_roundoff(tvi_event_search *search, int even
     const double *g = search->watched_events[event_index].g_samples;
     bool is_roundoff = false;
     if (2 * largest_sample_change(g) < tvi_largest_magnitude(TVI_SAMPLES, g + 1, 1)) return TVI_OK;
-    const tvi_status status = tvi_search_find_whether_g_is_roundoff(search, event_index, &is_roundoff);
+    const tvi_status status = tvi_search_is_g_roundoff(search, event_index, &is_roundoff);
     if (is_roundoff) search->root_count = first_root;
     return status;
 }
@@ -300,7 +300,7 @@ static tvi_status sample_all_events(tvi_event_search *search)
                            step == search->last_searched_step_number + 1;
     for (int event_index = 0; event_index < search->event_count; event_index++)
         search->watched_events[event_index].g_samples[0] = search->watched_events[event_index].g_samples[TVI_SAMPLES];
-    tvi_status status = continues ? TVI_OK : tvi_evaluate_events_at_step_start(search);
+    tvi_status status = continues ? TVI_OK : tvi_evaluate_events_at_start(search);
     if (status != TVI_OK) return status;
     tvi_sample_dense_output(search->integrator, search->used_components, search->joint_tape_block);
     if (!jet_sweep_values(search->joint_tape, search->joint_tape_block, TVI_SAMPLES))
@@ -311,10 +311,10 @@ static tvi_status sample_all_events(tvi_event_search *search)
                search->joint_tape_block + (size_t)search->joint_tape->output_slot[event_index] * TVI_SAMPLES,
                TVI_SAMPLES * sizeof *w->g_samples);
         w->is_zero_at_step_start = false;
-        if (w->g_samples[0] == 0) status = tvi_find_sign_leaving_zero_at_step_start(search, event_index);
+        if (w->g_samples[0] == 0) status = tvi_find_sign_leaving_zero(search, event_index);
         w->was_reported_at_stop = false;
     }
-    search->source_of_next_step_start_state =
+    search->start_state_source =
         TVI_FROM_ANY; /* The next step may start from any state, since an observer may change it. */
     search->last_searched_step_number = step;
     return status;

@@ -17,7 +17,7 @@ typedef struct {
     double theta_guess;       /* an estimate of the root's theta; NAN if there is none */
     /* True if g = 0 at the start of the step, and this root is the next zero of g. Between both zeros g has the sign of
      * bracket.g_left. */
-    bool is_next_zero_after_zero_at_step_start;
+    bool is_return_to_zero;
     /* True if only the curve has the root; the more accurate partial steps (finder.c) lack it. */
     bool is_absent_from_accurate_solution;
     double theta; /* the theta of the root to roundoff, which finder.c sets */
@@ -49,11 +49,11 @@ typedef struct {
     int event_count;
     tvi_watched_event *watched_events; /* [event_count] the events of the run */
     /* The kind of state from which the next step to be searched starts. */
-    tvi_start_state_source source_of_next_step_start_state;
+    tvi_start_state_source start_state_source;
     bool is_momentum_changed_at_stop; /* true if the run begins at its last stop with another momentum p */
     /* True if an event that stopped the run comes again before the time changes by more than its roundoff, as for a
      * ball at rest on the floor. */
-    bool has_stopping_event_come_again_at_same_time;
+    bool repeats_stop_at_same_time;
     long last_searched_step_number; /* the number of the last step that was searched; 0 if there is none */
     jet_tape *joint_tape;           /* a tape that evaluates the functions of all events together */
     /* Memory in which joint_tape is evaluated at TVI_SAMPLES states at once. It begins with the tape's inputs, the
@@ -75,7 +75,7 @@ void tvi_search_close(tvi_event_search *search);
 void tvi_search_set_parameters(tvi_event_search *search);
 
 /* Finds the roots of all events in the last step, one event after the other. Returns TVI_ENOCONV if
- * search->has_stopping_event_come_again_at_same_time becomes true. */
+ * search->repeats_stop_at_same_time becomes true. */
 TVI_NODISCARD tvi_status tvi_search_last_step_for_roots(tvi_event_search *search);
 /* Computes the state [2n + 1], in the order q, p, t, on the curve of the last step at theta. */
 TVI_NODISCARD tvi_status tvi_search_compute_curve_state(tvi_event_search *search, double theta, double state[]);
@@ -90,8 +90,8 @@ TVI_NODISCARD tvi_status tvi_search_find_curve_root(tvi_event_search *search, co
 /* ---- The start of a step (start.c) ------------------------------------------------------------------------------- */
 
 /* Tells which kind of state the run begins with. It must be called before the first step changes the integrator. */
-tvi_start_state_source tvi_find_whether_run_continues_step_or_stop(const tvi_integrator *integrator, double t,
-                                                                   const double q[], const double p[]);
+tvi_start_state_source tvi_find_start_state_source(const tvi_integrator *integrator, double t, const double q[],
+                                                   const double p[]);
 
 /* Tells whether the event was reported at the given stop of a run. */
 bool tvi_stop_has_event(const tvi_event_stop *stop, const tvi_event *event);
@@ -99,20 +99,19 @@ bool tvi_stop_has_event(const tvi_event_stop *stop, const tvi_event *event);
 /* Evaluates the functions g of all events at the start of the last step, and sets their g_samples[0]: to 0 if the start
  * lies on the event up to roundoff. The search calls this function if it has no values of g from the end of the step
  * before. */
-TVI_NODISCARD tvi_status tvi_evaluate_events_at_step_start(tvi_event_search *search);
+TVI_NODISCARD tvi_status tvi_evaluate_events_at_start(tvi_event_search *search);
 
 /* Sets g_samples[0] of an event on which the step begins (g = 0) to a tiny number with the sign that g has just
  * after the start of the step. Also sets is_zero_at_step_start and theta_after_leaving_zero (tvi_watched_event). */
-TVI_NODISCARD tvi_status tvi_find_sign_leaving_zero_at_step_start(tvi_event_search *search, int event_index);
+TVI_NODISCARD tvi_status tvi_find_sign_leaving_zero(tvi_event_search *search, int event_index);
 
 /* Sets *g_change to g(x(theta)) - g(x(0)) for a step that begins on the event. x(theta) is the state after a partial
  * step of the method, which search->partial_step then holds. *is_sign_certain tells whether |*g_change| is larger
  * than its roundoff. */
-TVI_NODISCARD tvi_status tvi_compute_g_change_from_step_start(tvi_event_search *search, int event_index, double theta,
-                                                              double *g_change, bool *is_sign_certain);
+TVI_NODISCARD tvi_status tvi_compute_g_change_from_start(tvi_event_search *search, int event_index, double theta,
+                                                         double *g_change, bool *is_sign_certain);
 
 /* Sets *is_roundoff: true if |g| stays below its roundoff over the whole step. */
-TVI_NODISCARD tvi_status tvi_search_find_whether_g_is_roundoff(tvi_event_search *search, int event_index,
-                                                               bool *is_roundoff);
+TVI_NODISCARD tvi_status tvi_search_is_g_roundoff(tvi_event_search *search, int event_index, bool *is_roundoff);
 
 #endif

@@ -11,7 +11,7 @@ enum { MOST_ROOTS = 4 * TVI_SAMPLES + 4 };
 static double *allocate_tape_block(const jet_tape *tape, int lanes)
 {
     double *block = malloc((size_t)tape->slot_count * (size_t)lanes * sizeof *block);
-    if (block) jet_tape_reset_block_and_set_constants(tape, block, 1, lanes);
+    if (block) jet_tape_prepare_block(tape, block, 1, lanes);
     return block;
 }
 
@@ -57,8 +57,7 @@ tvi_status tvi_search_open(tvi_event_search *search, tvi_partial_step *partial_s
     *search = (tvi_event_search){.integrator = it,
                                  .partial_step = partial_step,
                                  .event_count = count,
-                                 .source_of_next_step_start_state =
-                                     tvi_find_whether_run_continues_step_or_stop(it, t, state[0], state[1])};
+                                 .start_state_source = tvi_find_start_state_source(it, t, state[0], state[1])};
     search->watched_events = calloc(some, sizeof *search->watched_events);
     search->roots = calloc(some * MOST_ROOTS, sizeof *search->roots);
     search->scratch_state = calloc(2 * size, sizeof *search->scratch_state);

@@ -20,8 +20,8 @@ static bool are_bitwise_equal(int n, const double a[], const double b[])
     return memcmp(a, b, (size_t)n * sizeof *a) == 0;
 }
 
-tvi_start_state_source tvi_find_whether_run_continues_step_or_stop(const tvi_integrator *it, double t, const double q[],
-                                                                   const double p[])
+tvi_start_state_source tvi_find_start_state_source(const tvi_integrator *it, double t, const double q[],
+                                                   const double p[])
 {
     const int n = it->system->n;
     const double *stop = it->stop->state;
@@ -47,8 +47,7 @@ bool tvi_stop_has_event(const tvi_event_stop *stop, const tvi_event *event)
 }
 
 /* Computes g at the q and t of the given state with the momentum p of the last stop. */
-static tvi_status evaluate_event_with_p_replaced_by_stop_p(tvi_event_search *search, int event_index,
-                                                           const double state[], double *g)
+static tvi_status evaluate_event_with_stop_p(tvi_event_search *search, int event_index, const double state[], double *g)
 {
     const size_t n = (size_t)search->integrator->system->n;
     memcpy(search->scratch_increment, state, (2 * n + 1) * sizeof *state);
@@ -58,21 +57,19 @@ static tvi_status evaluate_event_with_p_replaced_by_stop_p(tvi_event_search *sea
 
 /* Sets g_samples[0] = 0 if the state at the start of the run lies on the event: the event was reported at the stop from
  * which the run goes on, or |g| is at most its roundoff. */
-static tvi_status set_start_g_to_zero_if_within_roundoff(tvi_event_search *search, int event_index,
-                                                         const double state[])
+static tvi_status zero_start_g_within_roundoff(tvi_event_search *search, int event_index, const double state[])
 {
     tvi_watched_event *w = &search->watched_events[event_index];
     double before = 0, here = 0, roundoff;
     tvi_status status;
-    w->was_reported_at_stop = search->source_of_next_step_start_state == TVI_FROM_STOP &&
-                              tvi_stop_has_event(search->integrator->stop, w->event);
+    w->was_reported_at_stop =
+        search->start_state_source == TVI_FROM_STOP && tvi_stop_has_event(search->integrator->stop, w->event);
     if (w->was_reported_at_stop) w->g_samples[0] = 0;
-    if (w->g_samples[0] == 0 || search->source_of_next_step_start_state == TVI_FROM_LAST_STEP) return TVI_OK;
+    if (w->g_samples[0] == 0 || search->start_state_source == TVI_FROM_LAST_STEP) return TVI_OK;
     /* If only p was changed at the stop and g is unchanged, the state does not lie on the event, since the event was
      * not reported at the stop. */
-    if (search->source_of_next_step_start_state == TVI_FROM_STOP &&
-        search->integrator->stop->event_count < TVI_STOP_EVENTS) {
-        status = evaluate_event_with_p_replaced_by_stop_p(search, event_index, state, &before);
+    if (search->start_state_source == TVI_FROM_STOP && search->integrator->stop->event_count < TVI_STOP_EVENTS) {
+        status = evaluate_event_with_stop_p(search, event_index, state, &before);
         if (status == TVI_OK) status = tvi_search_evaluate_event(search, event_index, state, &here);
         if (status == TVI_OK && before == here) return TVI_OK;
     }
@@ -82,14 +79,14 @@ static tvi_status set_start_g_to_zero_if_within_roundoff(tvi_event_search *searc
     return status;
 }
 
-tvi_status tvi_evaluate_events_at_step_start(tvi_event_search *search)
+tvi_status tvi_evaluate_events_at_start(tvi_event_search *search)
 {
     const int inputs = 2 * search->integrator->system->n + 1;
     const double *g = search->joint_tape_block;
     double *state = search->scratch_state;
     copy_step_start_state(search, state);
     search->is_momentum_changed_at_stop =
-        search->source_of_next_step_start_state == TVI_FROM_STOP &&
+        search->start_state_source == TVI_FROM_STOP &&
         !are_bitwise_equal(inputs / 2, state + inputs / 2, search->integrator->stop->state + inputs / 2);
     for (int i = 0; i < inputs; i++)
         for (int k = 0; k < TVI_SAMPLES; k++) search->joint_tape_block[i * TVI_SAMPLES + k] = state[i];
@@ -99,7 +96,7 @@ tvi_status tvi_evaluate_events_at_step_start(tvi_event_search *search)
         *first = g[(size_t)search->joint_tape->output_slot[event_index] * TVI_SAMPLES];
         tvi_status status = TVI_OK;
         if (!inside || !isfinite(*first)) status = tvi_search_evaluate_event(search, event_index, state, first);
-        if (status == TVI_OK) status = set_start_g_to_zero_if_within_roundoff(search, event_index, state);
+        if (status == TVI_OK) status = zero_start_g_within_roundoff(search, event_index, state);
         if (status != TVI_OK) return status;
     }
     return TVI_OK;
@@ -132,8 +129,8 @@ static tvi_status compute_increment_to_theta(tvi_event_search *search, double th
     return TVI_OK;
 }
 
-tvi_status tvi_compute_g_change_from_step_start(tvi_event_search *search, int event_index, double theta,
-                                                double *g_change, bool *is_sign_certain)
+tvi_status tvi_compute_g_change_from_start(tvi_event_search *search, int event_index, double theta, double *g_change,
+                                           bool *is_sign_certain)
 {
     const tvi_watched_event *w = &search->watched_events[event_index];
     double scale;
@@ -156,8 +153,7 @@ static tvi_status find_sign_of_g_change(tvi_event_search *search, int event_inde
 {
     double g_change = 0;
     bool is_sign_certain = false;
-    const tvi_status status =
-        tvi_compute_g_change_from_step_start(search, event_index, theta, &g_change, &is_sign_certain);
+    const tvi_status status = tvi_compute_g_change_from_start(search, event_index, theta, &g_change, &is_sign_certain);
     *sign = is_sign_certain ? tvi_sign(g_change) : 0;
     return status;
 }
@@ -165,7 +161,7 @@ static tvi_status find_sign_of_g_change(tvi_event_search *search, int event_inde
 /* Returns the theta at which the time has changed by one unit of its roundoff since the start of the step, or
  * EVENT_RETURN_MIN_THETA if that theta does not lie between EVENT_RETURN_MIN_THETA and the first sample.
  * search->scratch_increment must hold the increments of q, p and t from the start of the step to increment_theta. */
-static double theta_where_time_changes_by_roundoff(const tvi_event_search *search, double increment_theta)
+static double first_theta_that_moves_time(const tvi_event_search *search, double increment_theta)
 {
     const int n = search->integrator->system->n;
     const double resolution =
@@ -174,19 +170,19 @@ static double theta_where_time_changes_by_roundoff(const tvi_event_search *searc
     return theta > EVENT_RETURN_MIN_THETA && theta < tvi_sample_theta[0] ? theta : EVENT_RETURN_MIN_THETA;
 }
 
-tvi_status tvi_find_sign_leaving_zero_at_step_start(tvi_event_search *search, int event_index)
+tvi_status tvi_find_sign_leaving_zero(tvi_event_search *search, int event_index)
 {
     tvi_watched_event *w = &search->watched_events[event_index];
     int first, sign;
     const double at_first = tvi_is_rescaled(search->integrator) ? EVENT_FIRST_RESCALED_THETA : EVENT_FIRST_THETA;
     tvi_status status = find_sign_of_g_change(search, event_index, at_first, &first);
     if (status != TVI_OK) return status;
-    double theta = theta_where_time_changes_by_roundoff(search, at_first);
+    double theta = first_theta_that_moves_time(search, at_first);
     status = find_sign_of_g_change(search, event_index, theta, &sign);
-    search->has_stopping_event_come_again_at_same_time = status == TVI_OK && w->was_reported_at_stop &&
-                                                         search->is_momentum_changed_at_stop && first * sign < 0 &&
-                                                         tvi_event_reports_sign_change(w->event, sign);
-    if (search->has_stopping_event_come_again_at_same_time)
+    search->repeats_stop_at_same_time = status == TVI_OK && w->was_reported_at_stop &&
+                                        search->is_momentum_changed_at_stop && first * sign < 0 &&
+                                        tvi_event_reports_sign_change(w->event, sign);
+    if (search->repeats_stop_at_same_time)
         return jet_refuse(TVI_ENOCONV, "events[%d] is reached again before the time moves, as of a ball at rest",
                           event_index);
     while (status == TVI_OK && sign == 0 && theta * EVENT_RETURN_THETA_GROWTH < tvi_sample_theta[0])
@@ -199,7 +195,7 @@ tvi_status tvi_find_sign_leaving_zero_at_step_start(tvi_event_search *search, in
 
 /* ---- Roundoff ---------------------------------------------------------------------------------------------------- */
 
-tvi_status tvi_search_find_whether_g_is_roundoff(tvi_event_search *search, int event_index, bool *is_roundoff)
+tvi_status tvi_search_is_g_roundoff(tvi_event_search *search, int event_index, bool *is_roundoff)
 {
     const tvi_watched_event *w = &search->watched_events[event_index];
     const tvi_integrator *it = search->integrator;

@@ -24,7 +24,7 @@ static void list_saved_pieces(const tvi_integrator *it, tvi_stats *stats, tvi_sa
     tvi_saved_pieces_add(pieces, it->state.p, n * number);
     tvi_saved_pieces_add(pieces, stats, sizeof *stats);
     tvi_saved_pieces_add(pieces, it->parameters, (size_t)tvi_system_parameters(it->system) * number);
-    tvi_saved_pieces_add(pieces, it->stop, tvi_size_of_stop_in_bytes(it->system->n));
+    tvi_saved_pieces_add(pieces, it->stop, tvi_stop_bytes(it->system->n));
     tvi_saved_pieces_add(pieces, it->history, it->history_bytes);
 }
 
@@ -44,10 +44,10 @@ static tvi_status load_history(tvi_integrator *it, const tvi_saved_pieces *piece
 {
     char *own = malloc(it->history_bytes + 1);
     if (!own) return jet_explain_out_of_memory(TVI_ENOMEM);
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(own, it->history, it->history_bytes);
+    tvi_arena_copy_history(own, it->history, it->history_bytes);
     tvi_saved_load_piece(pieces, HISTORY, buffer);
     const bool is_sound = tvi_loaded_history_is_valid(it);
-    if (!is_sound) tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, own, it->history_bytes);
+    if (!is_sound) tvi_arena_copy_history(it->history, own, it->history_bytes);
     free(own);
     return is_sound ? TVI_OK : jet_refuse(TVI_EINVAL, "the state is damaged");
 }
@@ -73,7 +73,7 @@ tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
     stats.bytes = it->stats.bytes;
     stats.is_compiled = it->stats.is_compiled;
     it->stats = stats;
-    tvi_integrator_copy_parameters_to_tapes(it);
+    tvi_integrator_apply_parameters(it);
     it->has_dense_output = false;
     return TVI_OK;
 }

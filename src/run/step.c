@@ -65,7 +65,7 @@ tvi_status tvi_integrator_begin_step(tvi_integrator *it, double t, const double 
     if (*it->is_state_from_step && tvi_integrator_state_equals(it, t, q, p)) return TVI_OK;
     if (!isfinite(t) || !tvi_all_finite((int)n, q) || !tvi_all_finite((int)n, p))
         return tvi_refuse_nonfinite_state((int)n, t, q, "p", p);
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, NULL, it->history_bytes);
+    tvi_arena_copy_history(it->history, NULL, it->history_bytes);
     memcpy(it->state.q, q, n * sizeof *q);
     memcpy(it->state.p, p, n * sizeof *p);
     it->state.q[n] = t;
@@ -183,8 +183,8 @@ static void add_increments(tvi_integrator *it)
     const tvi_run_state *state = &it->state;
     const tvi_increments *increments = &it->increments;
     const int n = it->stepped->n;
-    (void)tvi_add_all_compensated_and_find_nonfinite(n, state->q, state->q_low, increments->dq, increments->dq_low);
-    (void)tvi_add_all_compensated_and_find_nonfinite(n, state->p, state->p_low, increments->dp, increments->dp_low);
+    (void)tvi_add_all_compensated(n, state->q, state->q_low, increments->dq, increments->dq_low);
+    (void)tvi_add_all_compensated(n, state->p, state->p_low, increments->dp, increments->dp_low);
     state->q[n] = tvi_add_compensated(state->q[n], &state->q_low[n], increments->dq[n], 0);
 }
 
@@ -195,7 +195,7 @@ static tvi_status make_step(tvi_integrator *it, double tolerance, double h)
     const long expansions = it->stats.expansions, passes = it->stats.passes;
     it->has_dense_output = false;
     it->h = h;
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history_before, it->history, it->copied_history_bytes);
+    tvi_arena_copy_history(it->history_before, it->history, it->copied_history_bytes);
     tvi_status status = compute_increments(it, tolerance);
     if (status != TVI_OK) status = explain_stepper_failure(it, status);
     else status = check_new_state_is_finite(it);
@@ -204,7 +204,7 @@ static tvi_status make_step(tvi_integrator *it, double tolerance, double h)
         status = tvi_refuse_too_large_step(it, it->stats.expansions != expansions, it->stats.passes - passes);
     it->covered_time = it->increments.dq[it->system->n];
     if (status != TVI_OK) {
-        tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, it->history_before, it->copied_history_bytes);
+        tvi_arena_copy_history(it->history, it->history_before, it->copied_history_bytes);
         return status;
     }
     add_increments(it);
@@ -216,10 +216,10 @@ static tvi_status make_step(tvi_integrator *it, double tolerance, double h)
 
 /* Makes up to most_steps steps in one call of the stepper, as long as the guard (guard.h) accepts each step by its tail
  * and its number of passes, without computing the energy. Returns the number of steps that were made. */
-static long make_steps_without_energy_check(tvi_integrator *it, long most_steps, double h, double t_end)
+static long make_unchecked_steps(tvi_integrator *it, long most_steps, double h, double t_end)
 {
     if (!it->stepper->run || most_steps < 1 || it->reference_energy->is_H_known) return 0;
-    const tvi_limits_for_skipping_energy_check limits = tvi_max_tail_and_passes_without_energy_check(it);
+    const tvi_unchecked_step_limits limits = tvi_guard_unchecked_limits(it);
     if (!(it->stats.tail <= limits.max_tail)) return 0;
     const tvi_run_request run = {h,     most_steps,    limits, tvi_is_rescaled(it) ? it->system->n : -1,
                                  t_end, it->increments};
@@ -250,7 +250,7 @@ tvi_status tvi_make_steps(tvi_integrator *it, long most_steps, double tolerance,
     const bool in_rows = tolerance == 0;
     const double *state = &it->state.q[it->system->n], way = copysign(1, h);
     for (long k = 0; status == TVI_OK && k < most_steps && (k == 0 || way * (t_end - *state) > 0); k++) {
-        if (in_rows) k += make_steps_without_energy_check(it, most_steps - 1 - k, h, t_end);
+        if (in_rows) k += make_unchecked_steps(it, most_steps - 1 - k, h, t_end);
         status = make_step(it, tolerance, h);
         if (status != TVI_OK) status = add_step_to_error_text(it, status);
     }
@@ -265,7 +265,7 @@ tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double 
 
 void tvi_integrator_undo_step(tvi_integrator *it, double *t, double q[], double p[])
 {
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, it->history_before, it->copied_history_bytes);
+    tvi_arena_copy_history(it->history, it->history_before, it->copied_history_bytes);
     it->has_dense_output = false;
     it->stats.steps--;
     tvi_integrator_copy_state(it, t, q, p);

@@ -31,12 +31,12 @@ typedef struct {
     tvi_trials trials;
     int order; /* the order of the method */
     /* The degree of the method's curve, at least 1; a double, since exponents are divided by it. */
-    double step_polynomial_degree_as_double;
+    double curve_degree;
     double wanted_error, aimed_error; /* the error that the user wants, and the smaller one that trials aim at */
     double longest_allowed_step_size; /* no step size longer than this is tried or suggested */
     /* A step size whose trial had a large error, and this error. No trial of a shorter step has had an error below a
      * third of possible_roundoff_error. */
-    double step_size_of_possible_roundoff_error, possible_roundoff_error;
+    double possible_roundoff_step_size, possible_roundoff_error;
     double roundoff_error; /* the error that shorter steps do not reduce; 0 if none was found */
     /* The longest step size with which a trial of the whole run had an error that is small enough
      * (SUGGEST_MAX_ERROR), and the shortest one with which a trial had a larger error; 0 if there is none. */
@@ -73,14 +73,12 @@ static double final_step_size_factor(const suggestion_search *search, const tvi_
 static void detect_roundoff_error(suggestion_search *search, const tvi_step_size_trial *trial)
 {
     if (!tvi_trial_error_is_far_above_aim(&search->trials, trial) || trial->estimated_error == INFINITY ||
-        fmax(trial->largest_orbit_distance_since_power_of_two_step, trial->previous_orbit_distance) >
-            SUGGEST_ROUNDOFF_DOUBT)
+        fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) > SUGGEST_ROUNDOFF_DOUBT)
         return;
-    if (search->step_size_of_possible_roundoff_error == 0 ||
+    if (search->possible_roundoff_step_size == 0 ||
         trial->estimated_error < search->possible_roundoff_error / SUGGEST_ROUNDOFF_DECREASE)
-        search->step_size_of_possible_roundoff_error = trial->h,
-        search->possible_roundoff_error = trial->estimated_error;
-    else if (pow(trial->h / search->step_size_of_possible_roundoff_error, search->order) < SUGGEST_EXPECTED_DECREASE)
+        search->possible_roundoff_step_size = trial->h, search->possible_roundoff_error = trial->estimated_error;
+    else if (pow(trial->h / search->possible_roundoff_step_size, search->order) < SUGGEST_EXPECTED_DECREASE)
         search->roundoff_error = fmin(trial->estimated_error, search->possible_roundoff_error);
 }
 
@@ -130,17 +128,16 @@ static bool is_trial_informative(const suggestion_search *search, const tvi_step
     const tvi_trials *trials = &search->trials;
     *is_near_aim =
         trial->has_passed_hardest_step && !trial->covers_whole_run && !tvi_trial_error_is_far_above_aim(trials, trial);
-    const bool is_long =
-        trial->has_passed_hardest_step &&
-        trial->run_error_fraction_of_trial >= TRIAL_EQUAL_LENGTH * trials->largest_run_error_fraction_of_a_trial;
+    const bool is_long = trial->has_passed_hardest_step &&
+                         trial->run_error_fraction >= TRIAL_EQUAL_LENGTH * trials->largest_error_fraction;
     return is_long || trial->covers_whole_run ||
            (trial->is_finished && tvi_trial_error_is_above(trials, trial, trials->aimed_error));
 }
 
 /* Updates the suggestion after a trial. Returns true if another trial is to follow, and sets *h to the step size of
  * that trial. */
-static bool update_suggestion_and_plan_next_trial(suggestion_search *search, const tvi_step_size_trial *trial,
-                                                  double *h, tvi_step_suggestion *suggestion)
+static bool update_suggestion(suggestion_search *search, const tvi_step_size_trial *trial, double *h,
+                              tvi_step_suggestion *suggestion)
 {
     tvi_trials *trials = &search->trials;
     const bool failed = trial->estimated_error == INFINITY, is_low = tvi_trial_error_is_far_below_aim(trials, trial),
@@ -153,42 +150,37 @@ static bool update_suggestion_and_plan_next_trial(suggestion_search *search, con
     else if (!search->is_suggestion_reliable)
         suggestion->h = suggestion->h == 0 ? trial->h : tvi_number_nearer_to_zero(suggestion->h, trial->h);
     if (!failed && (is_new || !search->is_suggestion_reliable))
-        suggestion->trial_step_size = trial->h,
-        suggestion->run_error_fraction_of_trial = trial->run_error_fraction_of_trial,
+        suggestion->trial_step_size = trial->h, suggestion->run_error_fraction = trial->run_error_fraction,
         suggestion->estimated_error = trial->estimated_error;
     if (!failed)
-        suggestion->explored_fraction_of_duration =
-            fmax(suggestion->explored_fraction_of_duration, trial->fraction_of_run_duration_done),
-        trials->largest_run_error_fraction_of_a_trial =
-            fmax(trials->largest_run_error_fraction_of_a_trial, trial->run_error_fraction_of_trial);
+        suggestion->explored_fraction = fmax(suggestion->explored_fraction, trial->duration_fraction_done),
+        trials->largest_error_fraction = fmax(trials->largest_error_fraction, trial->run_error_fraction);
     detect_roundoff_error(search, trial);
     update_step_size_bracket(search, trial);
     /* If the budget is used up, the steps that are reserved for the companion are released for another trial. */
-    if (!tvi_trials_have_budget_for_trial_step(trials) && (is_low || is_high))
-        trials->step_count_kept_for_perturbed_orbit = 0;
+    if (!tvi_trials_can_continue_trial(trials) && (is_low || is_high)) trials->reserved_step_count = 0;
     *h = tvi_number_nearer_to_zero(trial->h * factor, search->longest_allowed_step_size);
     trials->run_length_in_steps *= trial->h / *h;
     if (search->longest_good_step_size != 0) return may_trial_find_longer_step(search, h);
     const bool is_last = search->roundoff_error > 0 || !(failed || is_low || is_high || trial->is_finished);
-    return !is_last && tvi_trials_have_budget_for_trial_step(trials) &&
-           (!search->is_suggestion_reliable || tvi_trials_have_budget_to_pass_hardest_step(trials, *h)) &&
+    return !is_last && tvi_trials_can_continue_trial(trials) &&
+           (!search->is_suggestion_reliable || tvi_trials_can_pass_hardest_step(trials, *h)) &&
            fabs(*h) > DBL_EPSILON * fabs(trials->duration);
 }
 
 /* Corrects the error estimate of the last trial by the growth of errors that the companion measures
  * (step_doubling.h). */
-static void scale_trial_error_by_perturbation_growth(suggestion_search *search, tvi_step_size_trial *trial,
-                                                     tvi_step_suggestion *suggestion)
+static void scale_error_by_growth(suggestion_search *search, tvi_step_size_trial *trial,
+                                  tvi_step_suggestion *suggestion)
 {
     tvi_trials *trials = &search->trials;
-    if (trials->step_count_kept_for_perturbed_orbit == 0 || suggestion->trial_step_size != trial->h ||
+    if (trials->reserved_step_count == 0 || suggestion->trial_step_size != trial->h ||
         trial->estimated_error == INFINITY)
         return;
     double growth;
-    const double trial_distance = trials->step_doubling.orbit_distance,
-                 part = trials->scout.explored_fraction_of_duration;
-    const double error_ratio = tvi_compute_explored_over_trial_error_ratio(
-        &trials->step_doubling, &trials->scout, trials->start_abscissa, trial->end_abscissa, &growth);
+    const double trial_distance = trials->step_doubling.orbit_distance, part = trials->scout.explored_fraction;
+    const double error_ratio = tvi_step_doubling_error_ratio(&trials->step_doubling, &trials->scout,
+                                                             trials->start_abscissa, trial->end_abscissa, &growth);
     if (error_ratio == 0) return;
     /* `growth` compares the second half of the explored part with its first half; `halves` is the number of further
      * halves in the unexplored rest. */
@@ -202,21 +194,18 @@ static void scale_trial_error_by_perturbation_growth(suggestion_search *search, 
 
 /* Sets the numbers that all trials share (tvi_trials) from the results of the scout. Returns the step size of the first
  * trial. */
-static double prepare_trials_and_choose_first_step(suggestion_search *search)
+static double prepare_trials(suggestion_search *search)
 {
     tvi_trials *trials = &search->trials;
     const tvi_orbit_scout *s = &trials->scout;
-    const double scale = s->orbit_resolving_step_size_estimate[s->smallest_resolving_step_size_index],
-                 end = s->state_abscissas_in_time_or_s[s->step_count];
+    const double scale = s->resolving_step_size[s->hardest_step_index], end = s->state_abscissas[s->step_count];
     const double resolved_error =
-        SUGGEST_RESOLVED_ERROR * pow(SCOUT_RESOLVING_TAIL, search->order / search->step_polynomial_degree_as_double);
+        SUGGEST_RESOLVED_ERROR * pow(SCOUT_RESOLVING_TAIL, search->order / search->curve_degree);
     trials->step_doubling.tried_step_count = s->tried_step_count;
     trials->step_doubling.largest_q = s->largest_q, trials->step_doubling.largest_p = s->largest_p;
-    trials->run_end_abscissa = end / s->explored_fraction_of_duration;
-    trials->run_integral_of_relative_error_density =
-        tvi_scout_integrate_relative_error_density(s, 0, end) / s->explored_fraction_of_duration;
-    search->longest_allowed_step_size =
-        scale * pow(SUGGEST_MAX_TAIL_RATIO, 1 / search->step_polynomial_degree_as_double);
+    trials->run_end_abscissa = end / s->explored_fraction;
+    trials->run_weighted_length = tvi_scout_weighted_length(s, 0, end) / s->explored_fraction;
+    search->longest_allowed_step_size = scale * pow(SUGGEST_MAX_TAIL_RATIO, 1 / search->curve_degree);
     if (!trials->step_doubling.is_rescaled)
         search->longest_allowed_step_size =
             tvi_number_nearer_to_zero(search->longest_allowed_step_size, trials->duration);
@@ -235,11 +224,10 @@ static tvi_status measure_time_roundoff(suggestion_search *search)
 {
     tvi_trials *trials = &search->trials;
     const tvi_orbit_scout *s = &trials->scout;
-    const double *const state = tvi_scout_state(s, s->smallest_resolving_step_size_index);
+    const double *const state = tvi_scout_state(s, s->hardest_step_index);
     const double *const next = state + 2 * s->n + 1;
     const double dt = fabs(next[2 * s->n] - state[2 * s->n]),
-                 h = s->state_abscissas_in_time_or_s[s->smallest_resolving_step_size_index + 1] -
-                     s->state_abscissas_in_time_or_s[s->smallest_resolving_step_size_index];
+                 h = s->state_abscissas[s->hardest_step_index + 1] - s->state_abscissas[s->hardest_step_index];
     const double last = fmax(fabs(trials->start_time), fabs(trials->start_time + trials->duration)),
                  ulp = DBL_EPSILON * last;
     const double often = SUGGEST_TIME_BIAS * sqrt(fmax(fabs(trials->run_end_abscissa / h), 1)),
@@ -248,26 +236,24 @@ static tvi_status measure_time_roundoff(suggestion_search *search)
     if (!trials->step_doubling.full_step_orbit.integrator->system->uses_time ||
         often * ulp < SUGGEST_TIME_DOUBT * search->wanted_error * dt)
         return TVI_OK;
-    const tvi_status status =
-        tvi_measure_step_change_by_start_time_shift(&trials->step_doubling, state, h, shift, &apart);
+    const tvi_status status = tvi_measure_time_shift_distance(&trials->step_doubling, state, h, shift, &apart);
     if (status != TVI_OK) return status;
     const double time_roundoff_error = often * apart / shift * ulp / 2;
     if (time_roundoff_error > search->wanted_error)
         return jet_refuse(TVI_EINVAL, "error = %g is below what the roundoff of t = %g makes of such a run, about %.0e",
                           search->wanted_error, last, time_roundoff_error);
     trials->aimed_error = fmax(trials->aimed_error, time_roundoff_error);
-    trials->largest_orbit_distance_due_to_roundoff =
-        fmax(trials->largest_orbit_distance_due_to_roundoff, apart / shift * ulp);
+    trials->largest_roundoff_distance = fmax(trials->largest_roundoff_distance, apart / shift * ulp);
     return TVI_OK;
 }
 
-static double safety_divisor_for_step_size_spread_on_orbit(const suggestion_search *search)
+static double step_size_spread_divisor(const suggestion_search *search)
 {
     const tvi_orbit_scout *s = &search->trials.scout;
     double shortest = INFINITY, longest = 0;
     for (int k = 0; k < s->step_count; k++)
-        shortest = fmin(shortest, fabs(s->orbit_resolving_step_size_estimate[k])),
-        longest = fmax(longest, fabs(s->orbit_resolving_step_size_estimate[k]));
+        shortest = fmin(shortest, fabs(s->resolving_step_size[k])),
+        longest = fmax(longest, fabs(s->resolving_step_size[k]));
     return 1 + SUGGEST_SPREAD_WEIGHT * log(fmin(longest / shortest, SUGGEST_MAX_SPREAD));
 }
 
@@ -277,12 +263,11 @@ static void complete_suggestion(suggestion_search *search, tvi_step_suggestion *
     const double of_aim = pow(search->aimed_error / search->trials.aimed_error, 1.0 / search->order),
                  unknown = search->is_suggestion_reliable ? 1 : SUGGEST_UNKNOWN_FACTOR;
     suggestion->h = tvi_number_nearer_to_zero(suggestion->h * of_aim, search->longest_allowed_step_size) * unknown /
-                    safety_divisor_for_step_size_spread_on_orbit(search);
+                    step_size_spread_divisor(search);
     if (search->longest_good_step_size != 0)
         suggestion->h = suggestion->trial_step_size = search->longest_good_step_size,
-        suggestion->run_error_fraction_of_trial = 1,
-        suggestion->estimated_error = search->error_of_longest_good_step_size;
-    if (suggestion->explored_fraction_of_duration > 1 - TRIAL_END) suggestion->explored_fraction_of_duration = 1;
+        suggestion->run_error_fraction = 1, suggestion->estimated_error = search->error_of_longest_good_step_size;
+    if (suggestion->explored_fraction > 1 - TRIAL_END) suggestion->explored_fraction = 1;
 }
 
 static tvi_status search_step_size(suggestion_search *search, tvi_step_suggestion *suggestion)
@@ -292,14 +277,13 @@ static tvi_status search_step_size(suggestion_search *search, tvi_step_suggestio
     tvi_status status =
         tvi_scout_explore_orbit(&trials->scout, &trials->step_doubling.full_step_orbit, trials->duration);
     if (status != TVI_OK) return status;
-    double h = prepare_trials_and_choose_first_step(search);
+    double h = prepare_trials(search);
     status = measure_time_roundoff(search);
     if (status != TVI_OK) return status;
-    suggestion->explored_fraction_of_duration =
-        trials->scout.is_degree_too_low_for_error_estimate_by_tail ? 0 : trials->scout.explored_fraction_of_duration;
+    suggestion->explored_fraction = trials->scout.is_degree_too_low_for_tail ? 0 : trials->scout.explored_fraction;
     do trial = tvi_make_step_size_trial(trials, h);
-    while (trial.status != TVI_ENOMEM && update_suggestion_and_plan_next_trial(search, &trial, &h, suggestion));
-    scale_trial_error_by_perturbation_growth(search, &trial, suggestion);
+    while (trial.status != TVI_ENOMEM && update_suggestion(search, &trial, &h, suggestion));
+    scale_error_by_growth(search, &trial, suggestion);
     suggestion->step_count_spent_on_search = trials->step_doubling.tried_step_count;
     if (trial.status == TVI_ENOMEM || trials->step_doubling.has_exhausted_memory)
         return jet_explain_out_of_memory(TVI_ENOMEM);
@@ -321,17 +305,16 @@ static tvi_status open_suggestion_search(suggestion_search *search, const tvi_sy
     if (status != TVI_OK) return status;
     const tvi_options *resolved = &trials->step_doubling.full_step_orbit.integrator->options;
     search->order = resolved->order;
-    search->step_polynomial_degree_as_double = fmax(1, resolved->degree);
+    search->curve_degree = fmax(1, resolved->degree);
     search->aimed_error =
         (trials->step_doubling.is_rescaled ? SUGGEST_AIM_RESCALED : SUGGEST_AIM) * search->wanted_error;
     trials->is_driven = system->is_driven;
     trials->error_growth_exponent =
         trials->step_doubling.is_rescaled ? TRIAL_GROWTH_EXPONENT_RESCALED : TRIAL_GROWTH_EXPONENT;
-    trials->largest_orbit_distance_due_to_roundoff = SUGGEST_ROUNDOFF;
+    trials->largest_roundoff_distance = SUGGEST_ROUNDOFF;
     trials->aimed_error = fmax(search->aimed_error, SUGGEST_ROUNDOFF * pow(TVI_STEPS_OF_TRIAL / TRIALS_PART_OF_RUN,
                                                                            trials->error_growth_exponent));
-    trials->scout =
-        (tvi_orbit_scout){.n = system->n, .states_along_explored_orbit = trials->step_doubling.memory_of_scout_states};
+    trials->scout = (tvi_orbit_scout){.n = system->n, .explored_states = trials->step_doubling.memory_of_scout_states};
     return TVI_OK;
 }
 
@@ -368,7 +351,7 @@ tvi_status tvi_suggest_step_seen(const tvi_system *system, const tvi_options *op
     if (!(wanted_error >= DBL_EPSILON && wanted_error < 1))
         return jet_refuse(TVI_EINVAL, "error = %g is below DBL_EPSILON or not below 1", wanted_error);
     const tvi_status status = tvi_compute_step_suggestion(system, options, t, q, p, duration, wanted_error, &found);
-    if (status == TVI_OK) *h = found.h, *seen = found.explored_fraction_of_duration;
+    if (status == TVI_OK) *h = found.h, *seen = found.explored_fraction;
     return status;
 }
 

@@ -10,9 +10,9 @@ typedef struct {
     double h;               /* the step size that tvi_suggest_step returns */
     double trial_step_size; /* the step size of the trial on which the suggestion rests */
     /* The share of the run's expected error, 0 to 1, that arises in the part of the orbit in that trial. */
-    double run_error_fraction_of_trial;
-    double estimated_error;               /* the error at the end of a run with trial_step_size */
-    double explored_fraction_of_duration; /* the part of the run's duration that was explored, 0 to 1 */
+    double run_error_fraction;
+    double estimated_error;   /* the error at the end of a run with trial_step_size */
+    double explored_fraction; /* the part of the run's duration that was explored, 0 to 1 */
     /* The number of steps that the scout (scout.h) and all trials have tried, including those of size h/2. */
     long step_count_spent_on_search;
 } tvi_step_suggestion;

@@ -70,8 +70,8 @@ static tvi_status allocate_tape_blocks(tvi_integrator *it, tvi_tangent *tangent)
     tangent->field_block = malloc(numbers * sizeof *tangent->field_block);
     if (!tangent->field_block) return TVI_ENOMEM;
     tangent->energy_block = tangent->field_block + flow->slot_count;
-    jet_tape_reset_block_and_set_constants(flow, tangent->field_block, 1, 1);
-    jet_tape_reset_block_and_set_constants(change, tangent->energy_block, 1, 1);
+    jet_tape_prepare_block(flow, tangent->field_block, 1, 1);
+    jet_tape_prepare_block(change, tangent->energy_block, 1, 1);
     it->stats.bytes += numbers * sizeof *tangent->field_block;
     return TVI_OK;
 }
@@ -150,8 +150,8 @@ static int find_tangent_scaling_exponent(int n, const double q[], const double p
 
 /* Sets the parameters of the lifted system: the values that the step is made with, and the components of the column
  * that belong to the parameters, divided by 2^tangent_binary_exponent. */
-static tvi_status set_parameters_and_scaled_tangent(const tvi_integrator *it, const differentiated_step *step,
-                                                    int tangent_binary_exponent)
+static tvi_status set_lifted_parameters(const tvi_integrator *it, const differentiated_step *step,
+                                        int tangent_binary_exponent)
 {
     tvi_tangent *tangent = it->tangent;
     const int parameters = tvi_system_parameters(it->system);
@@ -182,7 +182,7 @@ static void set_state_and_scaled_tangent(const tvi_integrator *it, const differe
 
 /* Computes column <- M column, where M is the Jacobian matrix of the step in its own variable, the time or the s of a
  * rescaled system. In a rescaled system a call of project_column_to_fixed_time must follow. */
-static tvi_status multiply_column_by_jacobian_at_fixed_s(const tvi_integrator *it, const differentiated_step *step)
+static tvi_status multiply_column_at_fixed_s(const tvi_integrator *it, const differentiated_step *step)
 {
     tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
@@ -192,7 +192,7 @@ static tvi_status multiply_column_by_jacobian_at_fixed_s(const tvi_integrator *i
     const int exponent = find_tangent_scaling_exponent(n, step->start->q, step->start->p, column);
     set_state_and_scaled_tangent(it, step, exponent);
     tvi_integrator_reset(tangent->lifted_integrator);
-    tvi_status status = set_parameters_and_scaled_tangent(it, step, exponent);
+    tvi_status status = set_lifted_parameters(it, step, exponent);
     if (status == TVI_OK)
         status = tvi_step(tangent->lifted_integrator, step->h, &t, tangent->lifted_q, tangent->lifted_p);
     for (int i = 0; i < n && status == TVI_OK; i++) {
@@ -205,8 +205,8 @@ static tvi_status multiply_column_by_jacobian_at_fixed_s(const tvi_integrator *i
 /* ---- Neighbouring orbits at equal times -------------------------------------------------------------------------- */
 
 /* Computes the gradient (K_q, K_p) of a rescaled system's Hamiltonian K at a state. */
-static tvi_status compute_rescaled_hamiltonian_gradient(const tvi_integrator *it, const double parameters[],
-                                                        const double q[], const double p[])
+static tvi_status compute_K_gradient(const tvi_integrator *it, const double parameters[], const double q[],
+                                     const double p[])
 {
     const jet_tape *tape = it->stepped->field_values;
     const tvi_tangent *tangent = it->tangent;
@@ -222,13 +222,13 @@ static tvi_status compute_rescaled_hamiltonian_gradient(const tvi_integrator *it
 /* Sets the component of the column that belongs to e, the constant of K = g (H + e) of a rescaled system. A
  * neighbouring orbit at the same time has an e of its own, since K = 0 on each orbit: dK = 0 and K_e = g give de =
  * -(K_q dq + K_p dp) / g. */
-static tvi_status set_tangent_energy_offset_to_keep_K_zero(const tvi_integrator *it, const differentiated_step *step)
+static tvi_status set_column_de(const tvi_integrator *it, const differentiated_step *step)
 {
     const tvi_tangent *tangent = it->tangent;
     const jet_tape *tape = tangent->lifted_system->energy;
     const int n = tangent->n, e = 2 * n - 1;
-    tvi_status status = compute_rescaled_hamiltonian_gradient(it, step->parameters, step->start->q, step->start->p);
-    if (status == TVI_OK) status = set_parameters_and_scaled_tangent(it, step, 0);
+    tvi_status status = compute_K_gradient(it, step->parameters, step->start->q, step->start->p);
+    if (status == TVI_OK) status = set_lifted_parameters(it, step, 0);
     if (status != TVI_OK) return status;
     set_state_and_scaled_tangent(it, step, 0);
     memcpy(tangent->energy_block, tangent->lifted_q, 4 * (size_t)n * sizeof *tangent->lifted_q);
@@ -245,8 +245,8 @@ static tvi_status project_column_to_fixed_time(const tvi_integrator *it, const d
 {
     const tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
-    const tvi_status status = compute_rescaled_hamiltonian_gradient(
-        it, step->parameters, tangent->lifted_q, tangent->lifted_p + (tangent->are_momenta_swapped ? n : 0));
+    const tvi_status status = compute_K_gradient(it, step->parameters, tangent->lifted_q,
+                                                 tangent->lifted_p + (tangent->are_momenta_swapped ? n : 0));
     const double ds = tangent->column[n - 1] / tangent->gradient[2 * n - 1];
     for (int i = 0; i < n; i++) {
         tangent->column[i] -= tangent->gradient[n + i] * ds;
@@ -279,8 +279,8 @@ static tvi_status multiply_column_by_jacobian(const tvi_integrator *it, const di
     const int n = it->system->n;
     const bool rescaled = tangent->field_block != NULL;
     const double *dq = tangent->column, *dp = dq + tangent->n;
-    tvi_status status = rescaled ? set_tangent_energy_offset_to_keep_K_zero(it, step) : TVI_OK;
-    if (status == TVI_OK) status = multiply_column_by_jacobian_at_fixed_s(it, step);
+    tvi_status status = rescaled ? set_column_de(it, step) : TVI_OK;
+    if (status == TVI_OK) status = multiply_column_at_fixed_s(it, step);
     if (status == TVI_OK && rescaled) status = project_column_to_fixed_time(it, step);
     for (int row = 0; row < n; row++) {
         product[(size_t)row * row_stride] = dq[row];
@@ -358,7 +358,7 @@ void tvi_columns_store_run_start(const tvi_integrator *it, const tvi_tangent_col
     it->tangent->last_step.step_number = 0;
 }
 
-tvi_status tvi_columns_propagate_by_last_step(const tvi_integrator *it, const tvi_tangent_columns *columns)
+tvi_status tvi_columns_propagate_by_step(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
     if (!columns->elements) return TVI_OK;
     tvi_tangent *tangent = it->tangent;

@@ -34,8 +34,8 @@ TVI_NODISCARD tvi_status tvi_columns_check_finite(const tvi_integrator *integrat
 /* Prepares a run: stores the user's columns as those from which the first step starts. */
 void tvi_columns_store_run_start(const tvi_integrator *integrator, const tvi_tangent_columns *columns);
 /* Multiplies the columns by the Jacobian matrix of the integrator's last step. On failure the columns are unchanged. */
-TVI_NODISCARD tvi_status tvi_columns_propagate_by_last_step(const tvi_integrator *integrator,
-                                                            const tvi_tangent_columns *columns);
+TVI_NODISCARD tvi_status tvi_columns_propagate_by_step(const tvi_integrator *integrator,
+                                                       const tvi_tangent_columns *columns);
 /* Sets the columns to those at the given offset (0 to h) from the start of the last step, which was made with the given
  * parameters. On failure the columns become those at the end of the step. */
 TVI_NODISCARD tvi_status tvi_columns_propagate_to_offset(const tvi_integrator *integrator,

@@ -53,14 +53,14 @@ static void report_state_at_next_time(tvi_times_progress *times_progress, const 
 }
 
 /* Computes the state at the next given time, which lies in the last step, and reports the state. */
-static tvi_status report_state_at_next_time_in_step(tvi_times_progress *times_progress)
+static tvi_status report_next_time_in_step(tvi_times_progress *times_progress)
 {
     const tvi_partial_step *partial_step = &times_progress->partial_step;
-    tvi_status status = tvi_partial_step_compute_state_at_time(
-        &times_progress->partial_step, times_progress->run->plan->times[times_progress->next_time_index]);
+    tvi_status status = tvi_partial_step_to_time(&times_progress->partial_step,
+                                                 times_progress->run->plan->times[times_progress->next_time_index]);
     if (status == TVI_OK && times_progress->run->observers.at_time)
         status = tvi_columns_propagate_to_offset(times_progress->integrator, &times_progress->run->columns,
-                                                 partial_step->partial_step_size_to_stored_state,
+                                                 partial_step->stored_state_offset,
                                                  partial_step->partial_step_integrator->parameters);
     if (status == TVI_OK) report_state_at_next_time(times_progress, partial_step->q, partial_step->p);
     return status;
@@ -77,7 +77,7 @@ static tvi_status report_times_until(tvi_times_progress *times_progress, double 
     while (status == TVI_OK && !tvi_times_are_all_reported(times_progress) &&
            direction * (plan->times[times_progress->next_time_index] - last_time) <= 0 &&
            (ignores_observer_stop || !times_progress->is_stopped_by_observer))
-        status = report_state_at_next_time_in_step(times_progress);
+        status = report_next_time_in_step(times_progress);
     if (times_progress->next_time_index > first)
         tvi_columns_restore_step_end(times_progress->integrator, &times_progress->run->columns);
     return status;

@@ -113,18 +113,18 @@ static tvi_status set_integrator_from_text(tvi_integrator *it, const tvi_state_t
     char *scratch = malloc(it->history_bytes + bytes + 1);
     if (!scratch) return jet_explain_out_of_memory(TVI_ENOMEM);
     double *const values = (double *)(scratch + it->history_bytes);
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(scratch, it->history, it->history_bytes);
+    tvi_arena_copy_history(scratch, it->history, it->history_bytes);
     memcpy(values, it->parameters, bytes);
     memcpy(it->parameters, state_text->parameter_values, bytes);
-    tvi_integrator_copy_parameters_to_tapes(it);
+    tvi_integrator_apply_parameters(it);
     const tvi_status status = set_state_from_text(it, state_text);
     if (status == TVI_OK) {
         it->has_dense_output = false;
         tvi_event_stop_clear(it->stop, it->system->n);
     } else {
-        tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, scratch, it->history_bytes);
+        tvi_arena_copy_history(it->history, scratch, it->history_bytes);
         memcpy(it->parameters, values, bytes);
-        tvi_integrator_copy_parameters_to_tapes(it);
+        tvi_integrator_apply_parameters(it);
     }
     free(scratch);
     return status;

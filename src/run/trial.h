@@ -20,34 +20,34 @@ typedef struct {
     /* The exponent a of the growth of errors: the error of a run of the duration t is proportional to t^a. */
     double error_growth_exponent;
     /* Distances of the two orbits below this value may be roundoff. */
-    double largest_orbit_distance_due_to_roundoff;
+    double largest_roundoff_distance;
     tvi_step_doubling step_doubling;
     tvi_orbit_scout scout;
     /* The abscissa (tvi_orbit_scout) of the end of the run, which is the sum of all step sizes of the run; and the sum
      * over the whole run of the step sizes, each times the error that a run makes there, relative to that at the
-     * hardest step (tvi_scout_integrate_relative_error_density). */
-    double run_end_abscissa, run_integral_of_relative_error_density;
+     * hardest step (tvi_scout_weighted_length). */
+    double run_end_abscissa, run_weighted_length;
     double start_abscissa;     /* the abscissa (tvi_orbit_scout) at which the last trial began */
     const double *start_state; /* [2n + 1] q, p and t at start_abscissa */
     /* Steps of the budget that are kept for the companion, a perturbed orbit (step_doubling.h). */
-    long step_count_kept_for_perturbed_orbit;
+    long reserved_step_count;
     double run_length_in_steps; /* run_end_abscissa divided by the current step size */
     /* The largest share, 0 to 1, of the run's expected error that arises in the part of the orbit of one of the trials
      * so far. */
-    double largest_run_error_fraction_of_a_trial;
+    double largest_error_fraction;
 } tvi_trials;
 
 /* A trial of one step size, and the error that it estimates. */
 typedef struct {
     /* The step size; and the share, 0 to 1, of the run's expected error that arises in the part of the orbit that the
-     * trial has integrated (tvi_scout_integrate_relative_error_density). */
-    double h, run_error_fraction_of_trial;
+     * trial has integrated (tvi_scout_weighted_length). */
+    double h, run_error_fraction;
     /* The abscissa at which the trial ends: the sum of the step sizes from the start of the run (tvi_orbit_scout). */
     double end_abscissa;
-    double fraction_of_run_duration_done; /* the part of the run's duration up to the end of the trial, 0 to 1 */
+    double duration_fraction_done; /* the part of the run's duration up to the end of the trial, 0 to 1 */
     /* The steps of a trial form groups, of which group i has the steps 2^i + 1 to 2^(i+1). The largest distance of the
      * two orbits (step_doubling.h) in the last group, and that in the group before. */
-    double largest_orbit_distance_since_power_of_two_step, previous_orbit_distance;
+    double recent_orbit_distance, previous_orbit_distance;
     /* The estimated error at the end of the run. It is INFINITY if a step has failed, or if the distance of the
      * orbits is too large for an extrapolation. */
     double estimated_error;
@@ -70,21 +70,19 @@ static inline bool tvi_trials_have_budget_for_steps(const tvi_trials *trials, do
     return (double)trials->step_doubling.tried_step_count + steps <= tvi_trials_step_budget(trials);
 }
 /* Tells whether the budget allows one more step of a trial, in addition to the reserved steps. */
-static inline bool tvi_trials_have_budget_for_trial_step(const tvi_trials *trials)
+static inline bool tvi_trials_can_continue_trial(const tvi_trials *trials)
 {
-    return tvi_trials_have_budget_for_steps(trials,
-                                            (double)(trials->step_count_kept_for_perturbed_orbit + TVI_STEPS_OF_TRIAL));
+    return tvi_trials_have_budget_for_steps(trials, (double)(trials->reserved_step_count + TVI_STEPS_OF_TRIAL));
 }
 /* Tells whether the budget of steps allows a trial with steps of this size that passes the hardest step. */
-bool tvi_trials_have_budget_to_pass_hardest_step(const tvi_trials *trials, double trial_step_size);
+bool tvi_trials_can_pass_hardest_step(const tvi_trials *trials, double trial_step_size);
 
 /* Tells whether the trial's estimate is above the given error, and not only by roundoff. */
 static inline bool tvi_trial_error_is_above(const tvi_trials *trials, const tvi_step_size_trial *trial, double error)
 {
     return trial->estimated_error > error &&
            (trial->estimated_error == INFINITY ||
-            fmax(trial->largest_orbit_distance_since_power_of_two_step, trial->previous_orbit_distance) >=
-                trials->largest_orbit_distance_due_to_roundoff);
+            fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) >= trials->largest_roundoff_distance);
 }
 /* Tells whether the estimate is below the aim by more than the factor TRIAL_ERROR_BAND. */
 static inline bool tvi_trial_error_is_far_below_aim(const tvi_trials *trials, const tvi_step_size_trial *trial)

@@ -14,7 +14,7 @@
 #include <stdlib.h>
 
 /* The matrices [n][n] of the linear motion near a state, as jets: H_pp, A = H_pq, and W. record_second_derivatives sets
- * W to H_qq, and subtract_A_T_H_pp_inverse_A_from_H_qq makes it H_qq - A^T H_pp^-1 A. */
+ * W to H_qq, and reduce_H_qq_to_W makes it H_qq - A^T H_pp^-1 A. */
 typedef struct {
     int n;
     jet *H_pp, *A, *W;
@@ -38,7 +38,7 @@ static bool record_second_derivatives(jet_graph *graph, jet H, const linearised_
 {
     const int n = motion->n, first_p = n + 1, inputs = 2 * n + 1;
     if (!jet_record_gradient(graph, H, inputs, gradient)) return false;
-    jet_graph_begin_nodes_added_by_library(
+    jet_graph_begin_library_nodes(
         graph, "the automatic g, which has no value there (take a smaller step, or give a g of your own)");
     for (int i = 0; i < n; i++) {
         if (!jet_record_gradient(graph, gradient[i], inputs, row)) return false;
@@ -54,8 +54,7 @@ static bool record_second_derivatives(jet_graph *graph, jet H, const linearised_
 
 /* Replaces coordinate q_i by q_i - subtracted_q_j_factor q_j. With the matrix E of this transformation, A = H_pq
  * becomes E A E^-1, and W, which is still H_qq, becomes E^-T W E^-1. */
-static void change_coordinate_q_i_in_H_pq_and_H_qq(const linearised_motion *motion, int i, int j,
-                                                   jet subtracted_q_j_factor)
+static void change_coordinate_q_i(const linearised_motion *motion, int i, int j, jet subtracted_q_j_factor)
 {
     const int n = motion->n;
     const jet negative_factor = jet_neg(subtracted_q_j_factor);
@@ -76,14 +75,14 @@ static void diagonalise_H_pp(const linearised_motion *motion)
             if (is_constant_zero(row[j])) continue;
             const jet l = jet_div(row[j], motion->H_pp[j * n + j]), negative_l = jet_neg(l);
             for (int k = j + 1; k <= i; k++) add_multiple(&row[k], negative_l, motion->H_pp[k * n + j]);
-            change_coordinate_q_i_in_H_pq_and_H_qq(motion, i, j, l);
+            change_coordinate_q_i(motion, i, j, l);
         }
 }
 
 /* Subtracts A^T H_pp^-1 A from W = H_qq for H_pp = diag(d), except for the terms A_ii^2 / d_i of the diagonal.
- * record_stiffness_squared_trace_term adds these terms without a division. A system with one degree of freedom then
- * needs no division at all. */
-static void subtract_A_T_H_pp_inverse_A_from_H_qq(const linearised_motion *motion)
+ * record_trace_D2_term adds these terms without a division. A system with one degree of freedom then needs no division
+ * at all. */
+static void reduce_H_qq_to_W(const linearised_motion *motion)
 {
     const int n = motion->n;
     for (int k = 0; k < n; k++)
@@ -98,7 +97,7 @@ static void subtract_A_T_H_pp_inverse_A_from_H_qq(const linearised_motion *motio
 }
 
 /* Records the term d_i d_j W_ij^2 of tr D^2. */
-static jet record_stiffness_squared_trace_term(const linearised_motion *motion, int i, int j)
+static jet record_trace_D2_term(const linearised_motion *motion, int i, int j)
 {
     const int n = motion->n;
     const jet d = motion->H_pp[i * n + i], W = motion->W[i * n + j];
@@ -107,7 +106,7 @@ static jet record_stiffness_squared_trace_term(const linearised_motion *motion, 
 }
 
 /* Records the term d_i d_j Omega_ij^2 of -tr C^2. */
-static jet record_gyroscopic_squared_trace_term(const linearised_motion *motion, int i, int j)
+static jet record_trace_C2_term(const linearised_motion *motion, int i, int j)
 {
     const int n = motion->n;
     const jet A = motion->A[i * n + j], B = motion->A[j * n + i], d = motion->H_pp[i * n + i],
@@ -127,14 +126,13 @@ static jet record_sum_over_symmetric_terms(const linearised_motion *motion,
 }
 
 /* Records tr D^2 + (tr C^2)^2 / 4, which is g^-4 if H_pp is regular. */
-static jet record_frequency_power_sum_for_regular_H_pp(const linearised_motion *motion, jet scratch[])
+static jet record_regular_trace_sum(const linearised_motion *motion, jet scratch[])
 {
     diagonalise_H_pp(motion);
-    subtract_A_T_H_pp_inverse_A_from_H_qq(motion);
-    const jet square = record_sum_over_symmetric_terms(motion, record_stiffness_squared_trace_term, scratch);
-    return jet_add(
-        square,
-        jet_mul(0.25, jet_sqr(record_sum_over_symmetric_terms(motion, record_gyroscopic_squared_trace_term, scratch))));
+    reduce_H_qq_to_W(motion);
+    const jet square = record_sum_over_symmetric_terms(motion, record_trace_D2_term, scratch);
+    return jet_add(square,
+                   jet_mul(0.25, jet_sqr(record_sum_over_symmetric_terms(motion, record_trace_C2_term, scratch))));
 }
 
 /* ---- H_pp is singular everywhere --------------------------------------------------------------------------------- */
@@ -149,7 +147,7 @@ static jet record_matrix_product_entry(int n, const jet x[], const jet y[], int 
 
 /* Records the term P_ij P_ji + Q_ij R_ji of tr (J H'')^4 / 2, a sum over i and j, where (J H'')^2 = [P Q; R P^T] with P
  * = A^2 - H_pp W, Q = A H_pp - (A H_pp)^T, R = (W A)^T - W A, and W = H_qq. */
-static jet record_trace_J_hessian_power_4_term(const linearised_motion *motion, int i, int j)
+static jet record_trace_JH4_term(const linearised_motion *motion, int i, int j)
 {
     const int n = motion->n;
     const jet *A = motion->A, *H_pp = motion->H_pp, *W = motion->W;
@@ -174,8 +172,8 @@ jet tvi_record_automatic_time_scale(const tvi_system *base, jet H)
     jet *scratch = jets + 3 * n * n, *gradient = scratch + n * n, *row = gradient + 2 * n + 1;
     if (!graph) sum = jet_const(0); /* H depends on no input, and its derivatives are 0. */
     else if (record_second_derivatives(graph, H, &motion, gradient, row))
-        sum = base->is_regular ? record_frequency_power_sum_for_regular_H_pp(&motion, scratch)
-                               : record_sum_over_symmetric_terms(&motion, record_trace_J_hessian_power_4_term, scratch);
+        sum = base->is_regular ? record_regular_trace_sum(&motion, scratch)
+                               : record_sum_over_symmetric_terms(&motion, record_trace_JH4_term, scratch);
     free(jets);
     return jet_pow(sum, -0.25);
 }

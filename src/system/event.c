@@ -17,7 +17,7 @@ static tvi_status record_event_function(tvi_event *event, tvi_event_fn *g, void 
     const size_t padded_count = tvi_padded_vector_count(n);
     jet *q = malloc(2 * padded_count * sizeof *q);
     event->graph = jet_graph_create(inputs);
-    if (event->graph) jet_graph_set_output_name_for_messages(event->graph, "event function");
+    if (event->graph) jet_graph_set_output_name(event->graph, "event function");
     tvi_status status = q && event->graph ? TVI_OK : TVI_ENOMEM;
     if (status == TVI_OK) {
         jet *p = q + padded_count;
@@ -140,7 +140,7 @@ tvi_status tvi_event_expansion_open(tvi_event_expansion *expansion, const tvi_ev
     expansion->series_block = malloc((EVENT_LINE_DEGREE + 1) * slots * sizeof *expansion->series_block);
     expansion->first_order_slot_changes = calloc(slots * SAMPLES, sizeof *expansion->first_order_slot_changes);
     if (!expansion->series_block || !expansion->first_order_slot_changes) return TVI_ENOMEM;
-    jet_tape_reset_block_and_set_constants(event->series, expansion->series_block, EVENT_LINE_DEGREE + 1, 1);
+    jet_tape_prepare_block(event->series, expansion->series_block, EVENT_LINE_DEGREE + 1, 1);
     return TVI_OK;
 }
 
@@ -151,8 +151,8 @@ void tvi_event_expansion_close(tvi_event_expansion *expansion)
 }
 
 /* Computes the values of all slots of the event's series at the state x. */
-static tvi_status compute_order_0_of_event_expansion(const tvi_event *event, const tvi_event_expansion *expansion,
-                                                     const double x[])
+static tvi_status compute_event_series_values(const tvi_event *event, const tvi_event_expansion *expansion,
+                                              const double x[])
 {
     memcpy(expansion->series_block, x, (2 * (size_t)event->n + 1) * sizeof *x);
     return jet_sweep_series(event->series, expansion->series_block, 0, 1)
@@ -182,7 +182,7 @@ static double sum_first_order_magnitudes(const tvi_event *event, const tvi_event
 tvi_status tvi_event_estimate_roundoff(const tvi_event *event, const tvi_event_expansion *expansion, const double x[],
                                        const double input_sizes[], double *roundoff)
 {
-    const tvi_status status = compute_order_0_of_event_expansion(event, expansion, x);
+    const tvi_status status = compute_event_series_values(event, expansion, x);
     if (status != TVI_OK) return status;
     const double of_inputs = DBL_EPSILON * sum_first_order_magnitudes(event, expansion, input_sizes);
     memset(expansion->first_order_slot_changes, 0,
@@ -200,7 +200,7 @@ tvi_status tvi_event_compute_change(const tvi_event *event, const tvi_event_expa
 {
     const jet_tape *tape = event->series;
     const size_t inputs = 2 * (size_t)event->n + 1, slots = (size_t)tape->slot_count;
-    const tvi_status status = compute_order_0_of_event_expansion(event, expansion, x);
+    const tvi_status status = compute_event_series_values(event, expansion, x);
     double last = 0;
     if (status != TVI_OK) return status;
     *change = 0;

@@ -68,7 +68,7 @@ static tvi_status record_second_derivatives_row(tvi_system *system, int row, con
 
 /* Records all rows of g f'' + g' f'^T + f' g'^T, with (g, f) = factor: at states with f = 0 this is the matrix K'' of
  * second derivatives of the product K = g f. The recorded rows follow the components of the field in *jets. */
-static tvi_status record_second_derivatives_of_product(tvi_system *system, const jet factor[2], jet **jets)
+static tvi_status record_product_hessian(tvi_system *system, const jet factor[2], jet **jets)
 {
     const int rows = 2 * system->n;
     jet *gradient_g = malloc(2 * (size_t)rows * sizeof *gradient_g), *gradient_f = gradient_g + rows;
@@ -112,7 +112,7 @@ tvi_status tvi_record_hessian_of_factored_H(tvi_system *system, const jet hamilt
     }
     system->hessian_is_complete = system->hessian_entry_count > 0;
     if (status != TVI_OK || system->hessian_is_complete || nodes > HESSIAN_SHORT_MAX_NODES) return status;
-    status = record_second_derivatives_of_product(system, hamiltonian_factor, field_and_hessian);
+    status = record_product_hessian(system, hamiltonian_factor, field_and_hessian);
     return status == TVI_OK ? drop_hessian_if_expensive(system, *field_and_hessian) : status;
 }
 

@@ -113,14 +113,14 @@ static bool is_last_correction(tvi_legendre_transform *legendre, const double x[
 {
     const double size = tvi_largest_magnitude(legendre->system->n, x, 1);
     const tvi_stopping_rule rule = {.correction_goal = DBL_EPSILON * size,
-                                    .max_trusted_contraction_ratio = PASSES_MAX_CONTRACTION,
-                                    .stall_contraction_ratio = TVI_STALL_WITHOUT_DECREASE,
+                                    .max_trusted_ratio = PASSES_MAX_CONTRACTION,
+                                    .stall_ratio = TVI_STALL_WITHOUT_DECREASE,
                                     .stall_comparison_lag = 1};
     const double largest = tvi_largest_magnitude(legendre->system->n, legendre->correction, 1);
-    const tvi_passes_verdict verdict = tvi_convergence_test_add_pass(passes, &rule, largest);
+    const tvi_passes_verdict verdict = tvi_convergence_add_pass(passes, &rule, largest);
     if (verdict != TVI_PASSES_STUCK) return verdict == TVI_PASSES_MAY_END;
     return largest <= LEGENDRE_STALLED_CORRECTION * size ||
-           tvi_convergence_test_set_measured_roundoff(passes, estimate_correction_roundoff(legendre, y));
+           tvi_convergence_set_roundoff(passes, estimate_correction_roundoff(legendre, y));
 }
 
 tvi_status tvi_legendre_solve(tvi_legendre_transform *legendre, double t, const double q[], const double y[],
@@ -136,7 +136,7 @@ tvi_status tvi_legendre_solve(tvi_legendre_transform *legendre, double t, const 
     double scale = tvi_largest_magnitude(n, y, 1), reuse_limit = -1;
     tvi_convergence_test passes;
     bool was_singular = false;
-    tvi_convergence_test_begin_iteration(&passes, 0);
+    tvi_convergence_begin(&passes, 0);
     tvi_status status = tvi_legendre_evaluate(legendre, t, q, x, legendre->transform_of_x);
     if (status == TVI_OK) scale = fmax(scale, tvi_largest_magnitude(n, legendre->transform_of_x, 1));
     for (int step = 0; step < LEGENDRE_MAX_ITERATIONS && status == TVI_OK; step++) {
@@ -156,9 +156,9 @@ tvi_status tvi_legendre_solve(tvi_legendre_transform *legendre, double t, const 
     return status == TVI_OK ? TVI_ENOCONV : status;
 }
 
-tvi_status tvi_legendre_compute_initial_coefficients(tvi_legendre_transform *legendre, const tvi_system *system,
-                                                     double time_unit, double t, const double q[], const double p[],
-                                                     double velocity[], double initial_coefficients[])
+tvi_status tvi_legendre_compute_start(tvi_legendre_transform *legendre, const tvi_system *system, double time_unit,
+                                      double t, const double q[], const double p[], double velocity[],
+                                      double initial_coefficients[])
 {
     const int n = system->n;
     double *second_half = initial_coefficients + n;

@@ -34,10 +34,9 @@ TVI_NODISCARD tvi_status tvi_legendre_solve(tvi_legendre_transform *legendre, do
 /* Computes the coefficients z = initial_coefficients [2n] with which a Taylor curve starts at (q, p): (q, tau v) with
  * the velocity v and the time_unit tau of the curve, or (q, p) for a Hamiltonian. velocity [n] is the first iterate of
  * Newton's method, and becomes its result v. Only Lagrangians use `legendre` and `velocity`. */
-TVI_NODISCARD tvi_status tvi_legendre_compute_initial_coefficients(tvi_legendre_transform *legendre,
-                                                                   const tvi_system *system, double time_unit, double t,
-                                                                   const double q[], const double p[],
-                                                                   double velocity[], double initial_coefficients[]);
+TVI_NODISCARD tvi_status tvi_legendre_compute_start(tvi_legendre_transform *legendre, const tvi_system *system,
+                                                    double time_unit, double t, const double q[], const double p[],
+                                                    double velocity[], double initial_coefficients[]);
 
 /* Creates a transform outside of an integrator, with these values of the parameters; NULL stands for those in the
  * recording. The caller frees *memory. Returns TVI_ENOMEM if memory is lacking. */

@@ -11,7 +11,7 @@ tvi_status tvi_state_rates_open(tvi_rates_evaluator *rates, const tvi_system *sy
     if (system->form == TVI_LAGRANGIAN) return TVI_OK;
     rates->field_block = malloc((size_t)system->field_values->slot_count * sizeof *rates->field_block);
     if (!rates->field_block) return TVI_ENOMEM;
-    jet_tape_reset_block_and_set_constants(system->field_values, rates->field_block, 1, 1);
+    jet_tape_prepare_block(system->field_values, rates->field_block, 1, 1);
     tvi_state_rates_set_parameters(rates, parameters);
     return TVI_OK;
 }

@@ -110,7 +110,7 @@ static jet record_user_time_scale(const rescaling_request *request, const jet q[
 }
 
 /* Records the two factors of K: factor = {g, H + e}. */
-static void record_factors_of_rescaled_hamiltonian(const jet q[], const jet p[], jet s, void *ctx, jet factor[2])
+static void record_factors_of_K(const jet q[], const jet p[], jet s, void *ctx, jet factor[2])
 {
     const rescaling_request *request = ctx;
     const int n = request->base->n;
@@ -136,8 +136,7 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
     rescaling_request request = {system, g, ctx};
     tvi_system *stepped, *rescaled;
-    tvi_status status = tvi_system_create_from_hamiltonian_factors(&stepped, system->n + 1,
-                                                                   record_factors_of_rescaled_hamiltonian, &request);
+    tvi_status status = tvi_system_create_from_factors(&stepped, system->n + 1, record_factors_of_K, &request);
     if (status == TVI_EDOMAIN && !g)
         return jet_refuse(status, "K = g (H + e): the automatic g has no value (give a g of your own): %s",
                           jet_last_refusal_text());

@@ -54,8 +54,7 @@ static double compute_roundoff_scale(const jet_tape *tape, const jet_run_of_oper
 /* Adds DBL_EPSILON times roundoff_scale to the tangents of a slot, with a sign for each sample. The signs are bits of a
  * hash of the value's digits. Therefore they depend neither on units nor on the order of slots, and equal values have
  * equal errors. */
-static void add_roundoff_of_random_sign_to_slot(const double *slot_values, double *slot_tangents, int slot,
-                                                double roundoff_scale)
+static void add_slot_roundoff(const double *slot_values, double *slot_tangents, int slot, double roundoff_scale)
 {
     int exponent;
     const double digits = frexp(fabs(slot_values[slot]), &exponent);
@@ -69,8 +68,7 @@ void tvi_roundoff_sweep_tape(const jet_tape *tape, int input_count, const double
                              double *dx)
 {
     memset(dx, 0, (size_t)input_count * SAMPLES * sizeof *dx);
-    for (int i = 0; i < input_count; i++)
-        add_roundoff_of_random_sign_to_slot(x, dx, i, input_sizes ? input_sizes[i] : fabs(x[i]));
+    for (int i = 0; i < input_count; i++) add_slot_roundoff(x, dx, i, input_sizes ? input_sizes[i] : fabs(x[i]));
     for (int r = 0; r < tape->run_count; r++) {
         jet_tape one_run = *tape;
         /* The interpreter sweeps the single run of this tape, since generated code sweeps only whole tapes. */
@@ -79,8 +77,7 @@ void tvi_roundoff_sweep_tape(const jet_tape *tape, int input_count, const double
         one_run.run_count = 1;
         jet_sweep_tangents(&one_run, x, dx, 0, SAMPLES);
         for (int i = 0; i < one_run.runs->operation_count; i++)
-            add_roundoff_of_random_sign_to_slot(x, dx, one_run.runs->z + i,
-                                                compute_roundoff_scale(tape, one_run.runs, i, x));
+            add_slot_roundoff(x, dx, one_run.runs->z + i, compute_roundoff_scale(tape, one_run.runs, i, x));
     }
 }
 
@@ -117,9 +114,8 @@ static bool are_close_to_start(int n, double distance, const double start[], con
     return true;
 }
 
-bool tvi_roundoff_may_exceed_step_motion(const tvi_system *system, double h, const double q_start[],
-                                         const double p_start[], const double *q_at_nodes, const double *p_at_nodes,
-                                         int lanes, int node_count)
+bool tvi_roundoff_may_exceed_motion(const tvi_system *system, double h, const double q_start[], const double p_start[],
+                                    const double *q_at_nodes, const double *p_at_nodes, int lanes, int node_count)
 {
     const int n = system->n;
     const bool separable = system->form == TVI_SEPARABLE;

@@ -49,8 +49,7 @@ double tvi_roundoff_sign_randomly(tvi_roundoff_estimator *roundoff, double size)
  * plus a multiple of |h v_start|, or if the momenta p_at_nodes stay closer to p_start than |p_start|. For a system that
  * is not separable, v_start counts as 0; for a separable system, the momenta are ignored. By this test the callers
  * exclude passes that have diverged to states at which the field is nothing but roundoff. */
-bool tvi_roundoff_may_exceed_step_motion(const tvi_system *system, double h, const double q_start[],
-                                         const double p_start[], const double *q_at_nodes, const double *p_at_nodes,
-                                         int lanes, int node_count);
+bool tvi_roundoff_may_exceed_motion(const tvi_system *system, double h, const double q_start[], const double p_start[],
+                                    const double *q_at_nodes, const double *p_at_nodes, int lanes, int node_count);
 
 #endif

@@ -26,10 +26,10 @@ typedef struct {
     tvi_system *system;
     /* Inputs of the graph: coordinates; velocities or momenta; directions r for the gradient of r.H_p; time. */
     jet *q, *v, *r, t;
-    jet user_function;               /* The user's V, L or H. */
-    jet *field;                      /* [2n] The field, which belongs to the system. */
-    jet *direction_dot_H_p_gradient; /* [2n] The gradient of r.H_p. */
-    jet *field_and_hessian;          /* [2n + hessian_entry_count] The field, and then the second derivatives. */
+    jet user_function;       /* The user's V, L or H. */
+    jet *field;              /* [2n] The field, which belongs to the system. */
+    jet *r_dot_H_p_gradient; /* [2n] The gradient of r.H_p. */
+    jet *field_and_hessian;  /* [2n + hessian_entry_count] The field, and then the second derivatives. */
 } system_recording;
 
 /* Returns the name of the user's function, for texts of refusals. */
@@ -54,10 +54,10 @@ static tvi_status begin_recording(system_recording *recording, int n, const syst
     system->graph = jet_graph_create(general ? 3 * n + 1 : n + 1);
     recording->q = malloc((2 * padded_count + count) * sizeof *recording->q);
     recording->field = system->field = malloc((count + padded_count) * sizeof *recording->field);
-    recording->direction_dot_H_p_gradient = malloc(2 * count * sizeof *recording->direction_dot_H_p_gradient);
-    if (!system->mass || !system->graph || !recording->q || !recording->field || !recording->direction_dot_H_p_gradient)
+    recording->r_dot_H_p_gradient = malloc(2 * count * sizeof *recording->r_dot_H_p_gradient);
+    if (!system->mass || !system->graph || !recording->q || !recording->field || !recording->r_dot_H_p_gradient)
         return TVI_ENOMEM;
-    jet_graph_set_output_name_for_messages(system->graph, user_function_name(statement));
+    jet_graph_set_output_name(system->graph, user_function_name(statement));
     recording->v = recording->q + padded_count;
     recording->r = recording->v + padded_count;
     tvi_set_poison_beyond_end(n, recording->q, JET_BEYOND_Q);
@@ -117,9 +117,9 @@ static tvi_status add_driving_force(system_recording *recording, const system_st
     tvi_status status = padded_v && force ? TVI_OK : TVI_ENOMEM;
     if (status == TVI_OK) {
         statement->drive(recording->q, padded_v, recording->t, force, statement->drive_ctx);
-        jet_graph_set_output_name_for_messages(system->graph, "driving force");
+        jet_graph_set_output_name(system->graph, "driving force");
         status = jet_graph_check_outputs(system->graph, n, force);
-        jet_graph_set_output_name_for_messages(system->graph, user_function_name(statement));
+        jet_graph_set_output_name(system->graph, user_function_name(statement));
     }
     if (status == TVI_OK) status = tvi_refuse_force_beyond_end(n, force);
     for (int i = 0; i < n && status == TVI_OK; i++)
@@ -157,14 +157,13 @@ static tvi_status record_lagrangian(system_recording *recording, const system_st
 }
 
 /* Records the gradient of r.H_p. */
-static tvi_status record_direction_dot_H_p_gradient(system_recording *recording)
+static tvi_status record_r_dot_H_p_gradient(system_recording *recording)
 {
     tvi_system *system = recording->system;
     const int n = system->n;
     jet along = jet_dot(recording->r, recording->field + n, n);
-    const tvi_status status = record_full_gradient(recording, &along, recording->direction_dot_H_p_gradient);
-    return status == TVI_OK ? jet_graph_check_outputs(system->graph, 2 * n, recording->direction_dot_H_p_gradient)
-                            : status;
+    const tvi_status status = record_full_gradient(recording, &along, recording->r_dot_H_p_gradient);
+    return status == TVI_OK ? jet_graph_check_outputs(system->graph, 2 * n, recording->r_dot_H_p_gradient) : status;
 }
 
 static tvi_status record_factored_hamiltonian(system_recording *recording, const system_statement *statement)
@@ -176,7 +175,7 @@ static tvi_status record_factored_hamiltonian(system_recording *recording, const
     system->form = TVI_HAMILTONIAN;
     tvi_status status = record_full_gradient(recording, &recording->user_function, recording->field);
     if (status == TVI_OK) status = tvi_record_hessian_of_factored_H(system, factor, &recording->field_and_hessian);
-    return status == TVI_OK ? record_direction_dot_H_p_gradient(recording) : status;
+    return status == TVI_OK ? record_r_dot_H_p_gradient(recording) : status;
 }
 
 /* Records the field (H_q, H_p). The system is separable if H_p = M^-1 p and H_q does not depend on p; then F = -H_q
@@ -195,7 +194,7 @@ static tvi_status record_hamiltonian(system_recording *recording, const system_s
     for (int i = 0; i < n && system->has_masses; i++) system->mass[i] = 1 / system->mass[i];
     if (separable) return record_force(recording);
     system->form = TVI_HAMILTONIAN;
-    return record_direction_dot_H_p_gradient(recording);
+    return record_r_dot_H_p_gradient(recording);
 }
 
 /* ---- The lift ---------------------------------------------------------------------------------------------------- */
@@ -272,7 +271,7 @@ static tvi_status record_field_of_tangent_lift(system_recording *recording, cons
     if (!lifted) return TVI_ENOMEM;
     if (base->form == TVI_HAMILTONIAN && jet_graph_check_outputs(system->graph, 1, &recording->user_function) != TVI_OK)
         return TVI_ENOMEM;
-    return system->form == TVI_HAMILTONIAN  ? record_direction_dot_H_p_gradient(recording)
+    return system->form == TVI_HAMILTONIAN  ? record_r_dot_H_p_gradient(recording)
            : system->form == TVI_LAGRANGIAN ? tvi_hessian_record(system, &recording->field_and_hessian)
                                             : TVI_OK;
 }
@@ -305,7 +304,7 @@ static tvi_status create_tapes(system_recording *recording, const system_stateme
     system->uses_time = system->field_series->input_count > outputs;
     if (system->form == TVI_HAMILTONIAN) {
         system->r_dot_Hp_values =
-            jet_tape_create(system->graph, 3 * n + 1, 2 * n, recording->direction_dot_H_p_gradient, JET_TAPE_VALUES);
+            jet_tape_create(system->graph, 3 * n + 1, 2 * n, recording->r_dot_H_p_gradient, JET_TAPE_VALUES);
         if (!system->r_dot_Hp_values) return TVI_ENOMEM;
     }
     if (tvi_hessian_create_tape(system, recording->field_and_hessian) != TVI_OK) return TVI_ENOMEM;
@@ -327,7 +326,7 @@ static tvi_status record_system_and_tapes(tvi_system **out, int n, const system_
     if (status == TVI_OK) status = create_tapes(&recording, statement);
     if (status == TVI_OK && !statement->base) status = tvi_legendre_test_regularity(recording.system);
     free(recording.q);
-    free(recording.direction_dot_H_p_gradient);
+    free(recording.r_dot_H_p_gradient);
     free(recording.field_and_hessian);
     if (status == TVI_OK) *out = recording.system;
     else tvi_system_free(recording.system);
@@ -369,7 +368,7 @@ tvi_status tvi_system_lagrangian(tvi_system **out, int n, tvi_lagrangian_fn *lag
     return create_system_from_statement(out, n, &(system_statement){.lagrangian = lagrangian, .ctx = ctx});
 }
 
-tvi_status tvi_system_create_from_hamiltonian_factors(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx)
+tvi_status tvi_system_create_from_factors(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx)
 {
     return create_system_from_statement(out, n, &(system_statement){.hamiltonian_factors = factors, .ctx = ctx});
 }

@@ -81,7 +81,7 @@ tvi_status tvi_system_find_subsystems(tvi_system *system, bool has_time_coordina
     if (has_memory) {
         for (int i = 0; i < tape->slot_count; i++) set_parent[i] = i;
         for (int u = 0; u < system->input_count; u++) depends_on_state[u] = true;
-        jet_tape_propagate_slot_dependence(tape, depends_on_state);
+        jet_tape_mark_dependents(tape, depends_on_state);
         unite_results_with_operands(tape, depends_on_state, set_parent);
         unite_components_with_outputs(system, depends_on_state, set_parent);
         list_components_of_sets(&system->subsystems, system->n, set_parent, -1, counts);

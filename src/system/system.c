@@ -47,7 +47,7 @@ static void read_parameters(const jet_graph *graph, double value[])
     }
 }
 
-void tvi_system_read_recorded_parameters(const tvi_system *system, double value[])
+void tvi_system_recorded_parameters(const tvi_system *system, double value[])
 {
     read_parameters(system->graph, value);
     read_parameters(system->stepped_system->graph, value);

@@ -80,8 +80,7 @@ struct tvi_system {
 /* Creates a system with the Hamiltonian g f for solutions with f = 0. The function `factors` records factor = {g, f}.
  * The system has second derivatives if they are cheap (tvi_record_hessian_of_factored_H). */
 typedef void tvi_factors_fn(const jet q[], const jet p[], jet t, void *ctx, jet factor[2]);
-TVI_NODISCARD tvi_status tvi_system_create_from_hamiltonian_factors(tvi_system **out, int n, tvi_factors_fn *factors,
-                                                                    void *ctx);
+TVI_NODISCARD tvi_status tvi_system_create_from_factors(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx);
 
 /* Creates the lift of a system, which moves a state (q, p) together with a tangent vector (dq, dp). It has 2n
  * degrees of freedom, and the Hamiltonian H_q.dq + H_p.dp or the Lagrangian L_q.dq + L_v.dv (docs/method.md, section
@@ -96,7 +95,7 @@ TVI_NODISCARD tvi_status tvi_system_create_lift(tvi_system **out, const tvi_syst
 void tvi_system_prepare_blocks(const tvi_system *system, const tvi_tape_block *blocks, const double parameters[]);
 /* Reads the recorded values of all parameters. Elements of `value` that belong to no recorded parameter
  * stay as they are. */
-void tvi_system_read_recorded_parameters(const tvi_system *system, double value[]);
+void tvi_system_recorded_parameters(const tvi_system *system, double value[]);
 
 /* Record the H or the L of an existing system in the graph of q. `ctx` is that system (const tvi_system *), which must
  * have an energy. H of a separable system is sum p_i^2 / (2 m_i) + V. */

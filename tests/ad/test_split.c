@@ -14,7 +14,7 @@ enum { WAYS = sizeof ways / sizeof *ways, LANES = 8 };
 
 static recording split_of(const recording *r, jet_runs_to_split which, jet_tape *split)
 {
-    ck_assert(jet_split_runs_into_single_operations(split, r->tape, which));
+    ck_assert(jet_tape_split_runs(split, r->tape, which));
     recording other = *r;
     other.tape = split;
     return other;
@@ -62,7 +62,7 @@ START_TEST(operations_are_made_once)
     int *makers = calloc((size_t)r.tape->slot_count, sizeof *makers);
     for (int way = 0; way < WAYS; way++) {
         jet_tape split;
-        ck_assert(jet_split_runs_into_single_operations(&split, r.tape, ways[way]));
+        ck_assert(jet_tape_split_runs(&split, r.tape, ways[way]));
         memset(makers, 0, (size_t)r.tape->slot_count * sizeof *makers);
         for (const jet_run_of_operations *run = split.runs; run < split.runs + split.run_count; run++) {
             ck_assert(run->operation_count == 1 || !is_cut(run, ways[way]));
@@ -108,8 +108,8 @@ START_TEST(pairs_follow_each_other)
 {
     recording r = record_outputs(gravity(), JET_TAPE_VALUES);
     jet_tape sums, all;
-    ck_assert(jet_split_runs_into_single_operations(&sums, r.tape, JET_SPLIT_SUMS));
-    ck_assert(jet_split_runs_into_single_operations(&all, r.tape, JET_SPLIT_ALL));
+    ck_assert(jet_tape_split_runs(&sums, r.tape, JET_SPLIT_SUMS));
+    ck_assert(jet_tape_split_runs(&all, r.tape, JET_SPLIT_ALL));
     ck_assert_int_ge(longest_way(&sums), 45);
     ck_assert_int_le(longest_way(&all), 12);
     jet_free_split_tape(&sums);

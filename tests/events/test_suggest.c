@@ -77,7 +77,7 @@ static double reached(const trip *to, double wanted, tvi_step_suggestion *found)
     ck_assert_int_eq(
         tvi_compute_step_suggestion(to->system, &to->options, 0, to->q, to->p, to->duration, wanted, found), TVI_OK);
     ck_assert(h == found->h && h * to->duration > 0 && fabs(h) <= fabs(to->duration));
-    ck_assert(seen == found->explored_fraction_of_duration && seen > 0 && seen <= 1);
+    ck_assert(seen == found->explored_fraction && seen > 0 && seen <= 1);
     const double error = error_with(to, h, &steps);
     ck_assert_double_le((double)found->step_count_spent_on_search, fmax(60, 0.05 * (double)steps));
     return error / wanted;

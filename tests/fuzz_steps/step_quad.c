@@ -266,7 +266,7 @@ static bool solve_step(task *x, quad z[], quad q[], quad p[])
 static bool generated_step(quad_series *s, const tvi_options *options, quad h, quad t, quad q[], quad p[])
 {
     const int n = s->source->n, N = options->degree, p_degree = options->method == TVI_POINCARE ? N : N - 1;
-    const tvi_step_span_in_scaled_time span = tvi_find_method(options)->curve.step_span_in_scaled_time;
+    const tvi_step_span span = tvi_find_method(options)->curve.step_span;
     const quad from = span.start_s / ((quad)span.end_s - span.start_s);
     task x = {s, options, n, N, p_degree, size_of(n, q), t, h, from, .rule = {.points = 2}};
     quad z[DATA] = {0}, Q[COEFFICIENTS], P[COEFFICIENTS];

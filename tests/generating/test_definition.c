@@ -58,7 +58,7 @@ START_TEST(step_is_that_of_the_definition)
 {
     const kind *k = &kinds[_i % kind_count];
     const tvi_options options = kind_options(k, 1);
-    const tvi_step_span_in_scaled_time span = tvi_find_method(&options)->curve.step_span_in_scaled_time;
+    const tvi_step_span span = tvi_find_method(&options)->curve.step_span;
     const int statement = _i / kind_count;
     if (statement == 1 && k->method != TVI_TYPE1) return;
     tvi_system *system = stated(statement);

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-static bool expands(const tvi_descriptor *d) { return d->curve.correct_ends_by_generating_function != NULL; }
+static bool expands(const tvi_descriptor *d) { return d->curve.correct_ends != NULL; }
 
 /* A member that was forgotten is 0. */
 START_TEST(descriptors_are_whole)
@@ -22,9 +22,8 @@ START_TEST(descriptors_are_whole)
         ck_assert_msg(!adjoint || adjoint->adjoint == d, "%s", d->title);
         ck_assert_msg(d->quadrature != TVI_CHOSEN_QUADRATURE || d->needs_conjugate_momenta, "%s", d->title);
         ck_assert_msg(d->quadrature != TVI_CHOSEN_QUADRATURE || d->most_degree == TVI_MAX_DEGREE, "%s", d->title);
-        ck_assert_msg(!expands(d) || (adjoint && d->curve.step_span_in_scaled_time.end_s >
-                                                     d->curve.step_span_in_scaled_time.start_s),
-                      "%s", d->title);
+        ck_assert_msg(!expands(d) || (adjoint && d->curve.step_span.end_s > d->curve.step_span.start_s), "%s",
+                      d->title);
     }
 }
 END_TEST
@@ -35,8 +34,7 @@ START_TEST(adjoints_are_mirrored)
     for (const tvi_descriptor *const *at = tvi_methods; *at; at++) {
         const tvi_descriptor *d = *at, *adjoint = d->adjoint;
         if (!expands(d)) continue;
-        const tvi_step_span_in_scaled_time a = d->curve.step_span_in_scaled_time,
-                                           b = adjoint->curve.step_span_in_scaled_time;
+        const tvi_step_span a = d->curve.step_span, b = adjoint->curve.step_span;
         ck_assert_msg(a.start_s == -b.end_s && a.end_s == -b.start_s && a.tau_over_h == b.tau_over_h, "%s", d->title);
         ck_assert_double_eq_tol((a.end_s - a.start_s) * a.tau_over_h, 1, 1e-15);
         ck_assert_msg(d->curve.action == adjoint->curve.action && d->supports == adjoint->supports, "%s", d->title);
@@ -62,8 +60,7 @@ START_TEST(curves_are_expanded_where_they_are_called)
     const tvi_options options = {.method = places[_i].method, .expansion = places[_i].expansion};
     const tvi_descriptor *d = tvi_find_method(&options);
     ck_assert_ptr_nonnull(d);
-    ck_assert_double_eq(-d->curve.step_span_in_scaled_time.start_s * d->curve.step_span_in_scaled_time.tau_over_h,
-                        places[_i].before);
+    ck_assert_double_eq(-d->curve.step_span.start_s * d->curve.step_span.tau_over_h, places[_i].before);
 }
 END_TEST
 

@@ -21,8 +21,8 @@ static void take_all(open_arena *x)
 {
     for (int i = 0; i < PIECES; i++) {
         x->piece[i] = tvi_arena_allocate(&x->arena, sizes[i]);
-        x->uncopied[i] = tvi_arena_allocate_kept_even_if_step_fails(&x->arena, sizes[i]);
-        x->history[i] = tvi_arena_allocate_restored_if_step_fails(&x->arena, sizes[PIECES - 1 - i]);
+        x->uncopied[i] = tvi_arena_allocate_uncopied(&x->arena, sizes[i]);
+        x->history[i] = tvi_arena_allocate_copied(&x->arena, sizes[PIECES - 1 - i]);
     }
 }
 
@@ -35,7 +35,7 @@ static open_arena open_all(void)
     x.memory = tvi_arena_obtain_memory(&x.arena);
     ck_assert_ptr_nonnull(x.memory);
     take_all(&x);
-    ck_assert(x.arena.bytes_not_kept_between_steps == measured.bytes_not_kept_between_steps &&
+    ck_assert(x.arena.bytes_outside_history == measured.bytes_outside_history &&
               x.arena.copied_history_bytes == measured.copied_history_bytes);
     ck_assert(x.arena.uncopied_history_bytes == measured.uncopied_history_bytes);
     return x;
@@ -62,9 +62,9 @@ static void check_piece(char *piece, size_t bytes, size_t alignment, const char 
 START_TEST(pieces_are_apart)
 {
     open_arena x = open_all();
-    char *const end = x.memory + x.arena.bytes_not_kept_between_steps,
+    char *const end = x.memory + x.arena.bytes_outside_history,
                 *const end_of_copied = end + x.arena.copied_history_bytes,
-                *const end_of_uncopied = end + tvi_arena_bytes_kept_between_steps(&x.arena);
+                *const end_of_uncopied = end + tvi_arena_history_bytes(&x.arena);
     for (int i = 0; i < PIECES; i++) {
         const bool is_last = i + 1 == PIECES;
         check_piece(x.piece[i], sizes[i], ARENA_ALIGNMENT, is_last ? end : x.piece[i + 1]);
@@ -80,16 +80,16 @@ END_TEST
 START_TEST(histories_are_copied)
 {
     open_arena x = open_all();
-    const size_t remembered = tvi_arena_bytes_kept_between_steps(&x.arena);
+    const size_t remembered = tvi_arena_history_bytes(&x.arena);
     char *copy = malloc(remembered + 1);
     memset(copy, 7, remembered + 1);
     for (int i = 0; i < PIECES; i++) memset(x.history[i], 1 + i, sizes[PIECES - 1 - i]);
     for (int i = 0; i < PIECES; i++) memset(x.uncopied[i], 11 + i, sizes[i]);
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(copy, x.arena.history, remembered);
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(x.arena.history, NULL, remembered);
+    tvi_arena_copy_history(copy, x.arena.history, remembered);
+    tvi_arena_copy_history(x.arena.history, NULL, remembered);
     for (int i = 0; i < PIECES; i++)
         ck_assert(x.history[i][sizes[PIECES - 1 - i] - 1] == 0 && x.uncopied[i][sizes[i] - 1] == 0);
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(x.arena.history, copy, remembered);
+    tvi_arena_copy_history(x.arena.history, copy, remembered);
     for (int i = 0; i < PIECES; i++) ck_assert_int_eq(x.history[i][sizes[PIECES - 1 - i] - 1], 1 + i);
     for (int i = 0; i < PIECES; i++) ck_assert_int_eq(x.uncopied[i][sizes[i] - 1], 11 + i);
     ck_assert_int_eq(copy[remembered], 7);

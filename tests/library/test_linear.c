@@ -27,9 +27,9 @@ static open_factor open_of_size(int n)
     open_factor x = {0};
     tvi_arena arena = {0};
     tvi_factor_allocate(&x.factor, &arena, n);
-    arena.memory = x.memory = aligned_alloc(ARENA_ALIGNMENT, arena.bytes_not_kept_between_steps);
+    arena.memory = x.memory = aligned_alloc(ARENA_ALIGNMENT, arena.bytes_outside_history);
     ck_assert_ptr_nonnull(x.memory);
-    arena.bytes_not_kept_between_steps = 0;
+    arena.bytes_outside_history = 0;
     tvi_factor_allocate(&x.factor, &arena, n);
     return x;
 }

@@ -18,12 +18,10 @@ typedef struct {
 
 /* Rules by which passes that do not contract by a half are stuck; by which the next correction is predicted; by which
  * passes are stuck if two alternating corrections do not shrink; and by which small corrections show nothing. */
-#define HALVES  .correction_goal = 1e-16, .stall_contraction_ratio = 0.5, .stall_comparison_lag = 1
-#define EXPECTS HALVES, .max_trusted_contraction_ratio = 0.5
-#define TURNS(STUCK)                                                                                                   \
-    .correction_goal = 1e-24, .max_trusted_contraction_ratio = 0.5, .stall_contraction_ratio = STUCK,                  \
-    .stall_comparison_lag = 2
-#define NOISE TURNS(TVI_STALL_WITHOUT_DECREASE), .roundoff_level = 1e-14
+#define HALVES       .correction_goal = 1e-16, .stall_ratio = 0.5, .stall_comparison_lag = 1
+#define EXPECTS      HALVES, .max_trusted_ratio = 0.5
+#define TURNS(STUCK) .correction_goal = 1e-24, .max_trusted_ratio = 0.5, .stall_ratio = STUCK, .stall_comparison_lag = 2
+#define NOISE        TURNS(TVI_STALL_WITHOUT_DECREASE), .roundoff_level = 1e-14
 
 static const passes_case cases[] = {
     {.name = "nothing moves", .rule = {EXPECTS}, .sizes = {1e-3, 0}, .verdicts = ".E"},
@@ -75,7 +73,7 @@ static const passes_case cases[] = {
      .verdicts = ".....E"},
     {.name = "stuck", .rule = {HALVES}, .sizes = {1e-3, 5e-4, 2.6e-4}, .verdicts = "..S"},
     {.name = "all is left",
-     .rule = {.stall_contraction_ratio = TVI_STALL_WITHOUT_DECREASE, .stall_comparison_lag = 1},
+     .rule = {.stall_ratio = TVI_STALL_WITHOUT_DECREASE, .stall_comparison_lag = 1},
      .sizes = {1, 0.999, 0.999},
      .verdicts = "..S"},
     {.name = "not in turns", .rule = {HALVES}, .sizes = {1e-3, 1e-5, 9e-6}, .verdicts = "..S"},
@@ -97,10 +95,10 @@ START_TEST(each_number)
     tvi_convergence_test passes;
     char verdicts[MOST + 1] = "";
     memset(&passes, 0xff, sizeof passes);
-    tvi_convergence_test_begin_iteration(&passes, c->known);
+    tvi_convergence_begin(&passes, c->known);
     passes.roundoff = c->measured;
     for (size_t i = 0; i < strlen(c->verdicts); i++)
-        verdicts[i] = letters[tvi_convergence_test_add_pass(&passes, &c->rule, c->sizes[i])];
+        verdicts[i] = letters[tvi_convergence_add_pass(&passes, &c->rule, c->sizes[i])];
     ck_assert_msg(strcmp(verdicts, c->verdicts) == 0, "%s: %s, not %s", c->name, verdicts, c->verdicts);
 }
 END_TEST
@@ -108,15 +106,15 @@ END_TEST
 /* A tolerance is a goal for the correction itself, and passes are as many as are asked for. */
 START_TEST(the_options)
 {
-    const tvi_stopping_rule rule = {.max_passes = 10, .correction_goal = 1, .max_trusted_contraction_ratio = 2};
+    const tvi_stopping_rule rule = {.max_passes = 10, .correction_goal = 1, .max_trusted_ratio = 2};
     const tvi_stopping_rule plain = tvi_passes_rule_with_options(&rule, &(tvi_options){0}, 0),
                             less = tvi_passes_rule_with_options(&rule, &(tvi_options){.max_passes = 20}, 0.5),
                             exact =
                                 tvi_passes_rule_with_options(&rule, &(tvi_options){.max_passes = 20, .passes = 3}, 0);
     ck_assert(plain.max_passes == 10 && plain.exact_passes == 0 && plain.correction_goal == 1 &&
-              plain.max_trusted_contraction_ratio == 2);
+              plain.max_trusted_ratio == 2);
     ck_assert(less.max_passes == 20 && less.exact_passes == 0 && less.correction_goal == 0.5 &&
-              less.max_trusted_contraction_ratio == 0);
+              less.max_trusted_ratio == 0);
     ck_assert(exact.max_passes == 3 && exact.exact_passes == 3);
 }
 END_TEST
@@ -126,12 +124,12 @@ START_TEST(measured_later)
 {
     const tvi_stopping_rule rule = {HALVES};
     tvi_convergence_test passes;
-    tvi_convergence_test_begin_iteration(&passes, 0);
-    ck_assert(tvi_convergence_test_add_pass(&passes, &rule, 1e-9) == TVI_PASSES_GO_ON);
-    ck_assert(tvi_convergence_test_add_pass(&passes, &rule, 1e-9) == TVI_PASSES_STUCK);
-    ck_assert(!tvi_convergence_test_set_measured_roundoff(&passes, 1e-10));
-    ck_assert(tvi_convergence_test_add_pass(&passes, &rule, 1e-10) == TVI_PASSES_MAY_END);
-    ck_assert(tvi_convergence_test_set_measured_roundoff(&passes, 1e-10));
+    tvi_convergence_begin(&passes, 0);
+    ck_assert(tvi_convergence_add_pass(&passes, &rule, 1e-9) == TVI_PASSES_GO_ON);
+    ck_assert(tvi_convergence_add_pass(&passes, &rule, 1e-9) == TVI_PASSES_STUCK);
+    ck_assert(!tvi_convergence_set_roundoff(&passes, 1e-10));
+    ck_assert(tvi_convergence_add_pass(&passes, &rule, 1e-10) == TVI_PASSES_MAY_END);
+    ck_assert(tvi_convergence_set_roundoff(&passes, 1e-10));
 }
 END_TEST
 
