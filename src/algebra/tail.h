@@ -48,8 +48,8 @@ static inline double tvi_component_last_term_ratio(const tvi_component_sizes_in_
     return rest > 0 ? rest : 0;
 }
 
-/* Returns the ratio of a component (tvi_component_last_term_ratio), reduced if the component has a small share of the
- * motion: below the limit of TAIL_MIN_SHARE times the largest share in its subsystem, the ratio is multiplied by the
+/* Returns the tail of a component: its ratio (tvi_component_last_term_ratio), reduced if its share of the motion is
+ * small. Below the limit of TAIL_MIN_SHARE times the largest share in its subsystem, the ratio is multiplied by the
  * share over the limit. */
 static inline double tvi_component_tail(double last_term_ratio, double motion_share, double largest_motion_share)
 {

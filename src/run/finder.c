@@ -30,9 +30,9 @@ void tvi_finder_close(tvi_event_finder *finder)
     free(finder->line_origin);
 }
 
-/* Estimates derivatives at theta by difference quotients between two states x on the curve: finder->line_direction
- * becomes dx/dtheta, finder->chord_midpoint the midpoint of the chord between the two states,
- * *dg_dtheta the derivative dg/dtheta, and *theta_distance_to_zero the distance from theta to the zero of g. */
+/* Estimates derivatives at theta by difference quotients over a chord of the curve, between two states x:
+ * finder->line_direction becomes dx/dtheta, finder->chord_midpoint the midpoint of the chord, *dg_dtheta the derivative
+ * dg/dtheta, and *theta_distance_to_zero the distance from theta to the zero of g. */
 static tvi_status estimate_chord_slopes(tvi_event_finder *finder, int event_index, double theta, double *dg_dtheta,
                                         double *theta_distance_to_zero)
 {
@@ -83,8 +83,8 @@ static double relative_curve_error(const tvi_event_finder *finder, int first_com
     return tvi_ratio_or_zero(apart, size);
 }
 
-/* Returns the difference between the time t of finder->line_origin and the time of
- * finder->chord_midpoint, which represents the curve, divided by |t| + |dt/dtheta|. */
+/* Returns the difference between the time t of finder->line_origin and the time of finder->chord_midpoint, which
+ * represents the curve, divided by |t| + |dt/dtheta|. */
 static double relative_curve_time_error(const tvi_event_finder *finder)
 {
     const int t = finder->state_size - 1;
@@ -99,7 +99,7 @@ static void set_line_origin(tvi_event_finder *finder, double theta)
     finder->line_origin_theta = theta;
 }
 
-/* ---- Lines with the slope of the curve --------------------------------------------------------------------------- */
+/* ---- Lines with the slope of a chord of the curve ---------------------------------------------------------------- */
 
 /* Computes the state [2n + 1] on the line, state = line_origin + theta_from_line_origin line_direction. */
 static void compute_state_on_line(const tvi_event_finder *finder, double theta_from_line_origin, double state[])
@@ -235,8 +235,9 @@ static tvi_status find_event_by_partial_steps(tvi_event_finder *finder, tvi_even
     return status == TVI_OK ? set_event_state_by_partial_step(finder, root, bracket.right, state) : status;
 }
 
-/* Finds the root on the curve first, and then on straight lines with the slope of the curve. Each line begins at the
- * theta of the root on the line before. The iteration ends when two successive roots are near each other. */
+/* Finds the root on the curve first, and then on straight lines with the slope of a chord of the curve. Each line
+ * begins at the theta of the root on the line before. The iteration ends when two successive roots are near each
+ * other. */
 static tvi_status find_event_on_chord_lines(tvi_event_finder *finder, tvi_event_root *root, double state[])
 {
     double theta = root->theta_guess, g = 0, slope, distance = 0, distance_to_zero = 0;

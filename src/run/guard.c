@@ -1,9 +1,10 @@
 /* guard.c - Refuses steps that are too large for the orbit. The equations of such a step also have solutions that do
  * not approximate the motion, and the corrector, which solves them by iteration (passes), may converge to one of them;
  * or the polynomial of the step does not follow the motion. The guard judges a step by its tail, the relative size of
- * the last term of the polynomial of the forces (algebra/tail.h), and by the change of the energy if the system
- * conserves one. The energy is not computed if a small tail and a small number of passes, or a bound of the energy
- * change that the stepper computes, show that the step approximates the motion. */
+ * the last term of the polynomial of the forces (algebra/tail.h), and by the change of the energy H(q, p) if the system
+ * conserves one. The change is compared with H less its zero level, which is an energy without momentum, H(q, 0), so
+ * that a constant in the potential does not count. The energy is not computed if a small tail and a small number of
+ * passes, or a bound of the energy change that the stepper computes, show that the step approximates the motion. */
 #include "run/guard.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
