@@ -368,8 +368,9 @@ abi: $(BUILD)/libtvi.so
 .PHONY: abi
 
 # a program that links the static library may use every other name for its own; DW.ref. is the compiler's, of cleanups
-check-names: ; $(REPORT) "names: all that can be linked begin with tvi_ or jet_" $(DO)
+check-names: ; $(REPORT) "names: all that can be linked begin with tvi_ or jet_; none has more than 32 characters" $(DO)
 do-names: $(BUILD)/libtvi.a
+	tests/long_names.sh
 	nm -A -g --defined-only $< | awk '{ names++ } $$NF !~ /^(tvi|jet)_|^DW\.ref\./ { print; failed = 1 } END { exit failed || !names }'
 
 check-floors: ; $(REPORT) "floors: no include goes up; no file and no function is large; names of pages" $(DO)
