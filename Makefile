@@ -13,6 +13,7 @@
 # make cov        lines of ad and src that the tests run; fails below 95%
 # make fuzz       random programs led by coverage (libFuzzer), a minute; SECONDS=n for longer
 # make fuzz-steps random steps against their definition in quadruple precision; SEED=n COUNT=m
+# make constants  the constants that were found by trials, the command that shows each, and their number
 # make analyse    clang-tidy and cppcheck over everything
 # make blas-threads     the same bits for any number of threads of OpenBLAS
 # make install    headers, libraries, manual pages, documents, tvi.pc and tvi-config.cmake below PREFIX

@@ -6,6 +6,18 @@
 #include "rule.h"
 #include "split.h"
 
+/* ---- Constants found by trials ----------------------------------------------------------------------------------- */
+
+/* [operations] On tapes of up to this size each sum is a run of its own. */
+#define EMIT_MAX_SINGLE_SUMS 256 /* found: make performance ONE=compiling */
+/* [operations] On tapes of up to this size each operation is a run of its own, if only values of whole vectors are
+ * requested. */
+#define EMIT_MAX_SINGLE_OPERATIONS 768 /* found: make performance ONE=compiling */
+/* [operations] The largest tape whose value function is inlined, if the lanes fill several registers. */
+#define EMIT_MAX_INLINED 64 /* found: make performance ONE=compiled */
+/* [operations] The largest tape whose value function is inlined, if the lanes fill one register. */
+#define EMIT_MAX_INLINED_IN_REGISTER 256 /* found: make performance ONE=compiled */
+
 /* A vector register holds from REGISTER_LANES_MIN lanes to REGISTER_LANES_MAX lanes, depending on the instruction set.
  * A multiple of WHOLE_VECTOR_LANES is processed in whole vectors on every machine: if a register holds eight lanes, a
  * shorter vector takes the last four. */

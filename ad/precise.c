@@ -1,7 +1,6 @@
 /* precise.c - Computes the values of a tape in long double, for energies in which large terms cancel.
  * src/system/energy.c calls jet_sweep_long_double_values. */
-#include "measured.h"
-#include "tape.h"
+#include "rule.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -12,6 +12,10 @@
 #include "tape.h"
 #include "vector.h"
 
+/* [1] Powers with exponents k/4 or k/2 up to this size are products and square roots, not calls of pow (suite
+ * elementary of build/check/ad). */
+#define TAPE_POWER_MAX_EXPONENT 8 /* found: make devices */
+
 /* In the rules, a is the first operand, b the second one, w the auxiliary series, and z the result. a_k is the
  * coefficient of order k of the series of a, da_k that of its tangent along a direction, and abar_k its adjoint: the
  * derivative of a scalar by a_k. */

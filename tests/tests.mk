@@ -373,6 +373,10 @@ do-names: $(BUILD)/libtvi.a
 	tests/long_names.sh
 	nm -A -g --defined-only $< | awk '{ names++ } $$NF !~ /^(tvi|jet)_|^DW\.ref\./ { print; failed = 1 } END { exit failed || !names }'
 
+# the constants that were found by trials, with the commands that show what they do, and their number
+constants: ; @tests/constants.sh
+.PHONY: constants
+
 check-floors: ; $(REPORT) "floors: no include goes up; no file and no function is large; names of pages" $(DO)
 do-floors:
 	tests/floors.sh

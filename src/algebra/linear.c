@@ -4,6 +4,12 @@
 #include "algebra/linear_small.h"
 #include "algebra/sizes.h"
 
+/* [rows] Matrices of up to this size are factored by algebra/linear_small.h, larger ones by LAPACK: a call of LAPACK
+ * costs more than the arithmetic of a small matrix. */
+#define LINEAR_OWN_MAX_ROWS 16 /* found: make check-library, suite linear */
+/* [rows] OpenBLAS factors matrices of fewer rows with one thread. */
+#define LAPACK_THREADED_MIN_ROWS 100 /* found: make blas-threads */
+
 /* Declares the Fortran functions of LAPACK, whose matrices are column-major. A character argument has a hidden
  * length at the end. */
 void dgetrf_(const int *m, const int *n, double *a, const int *lda, int *ipiv, int *info);

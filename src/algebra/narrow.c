@@ -2,9 +2,11 @@
  * ITP method (narrow.h). */
 #include "algebra/narrow.h"
 #include "algebra/sizes.h"
-#include "measured.h"
 
 #include <math.h>
+
+/* [1 / first width] The constant kappa_1 of the ITP root finder. */
+#define EVENT_ITP_TRUNCATION 0.2 /* found: make check-events */
 
 /* Returns the next abscissa at which the function is evaluated: the root of the secant, truncated and projected as
  * ITP prescribes (narrow.h). first_width is the width of the first bracket, and evaluations_left the number of

@@ -12,6 +12,14 @@
 #include <math.h>
 #include <stdbool.h>
 
+/* [1] A component with less than this part of the largest share in its subsystem counts in proportion to its share
+ * (algebra/tail.h). Its motion is then less than a hundredth of the largest one, as a share is a product of two sizes.
+ * An example is the end of a chain that a wave has not reached: its first motion has the highest power of t, however
+ * small h is. */
+#define TAIL_MIN_SHARE 1e-4 /* found: make tails */
+/* [1] The roundoff of a force, relative to the positions. */
+#define TAIL_ROUNDOFF (32 * DBL_EPSILON) /* found: make tails */
+
 /* The magnitudes of the quantities of one component in a step, from which its tail is computed. */
 typedef struct {
     double momentum_size;         /* The magnitude of p plus that of its change in the step. */

@@ -7,6 +7,14 @@
 #include <math.h>
 #include <string.h>
 
+/* [orders] A method has this order if the user chooses none. It has the least cost in all scenes (docs/choosing.md). */
+#define DEFAULT_ORDER 16 /* found: make choose */
+/* [1] With an automatic time scale, the largest tail of a step is 2^(AUTOMATIC_TAIL_FIRST_EXPONENT - order / 2). With a
+ * smaller limit good steps would be refused (docs/adaptive.md). */
+#define AUTOMATIC_TAIL_FIRST_EXPONENT 3 /* found: make tails */
+/* [orders] Higher orders have the largest tail of this order. */
+#define AUTOMATIC_TAIL_LAST_ORDER 16 /* found: make tails */
+
 enum {
     TYPE1_SUPPORTS = TVI_SUPPORTS_SEPARABLE | TVI_SUPPORTS_LAGRANGIAN | TVI_SUPPORTS_REGULAR,
     HAMILTON_SUPPORTS = TVI_SUPPORTS_SEPARABLE | TVI_SUPPORTS_REGULAR | TVI_SUPPORTS_DEGENERATE

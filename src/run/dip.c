@@ -2,9 +2,13 @@
  * golden sections, and decides when there can be no zero (dip.h). */
 #include "run/dip.h"
 
-#include "measured.h"
-
+#include <float.h>
 #include <math.h>
+
+/* [h] The search of a dip ends when its three samples span no more. */
+#define EVENT_DIP_MIN_WIDTH 1e-8 /* found: make check-events */
+/* [samples] The search of a dip ends after this many. */
+#define EVENT_DIP_MAX_SAMPLES 120 /* found: make check-events */
 
 /* Returns the theta of the minimum of the parabola through the three middle samples. If the minimum lies outside of
  * these samples, or if wants_golden_section is set, the function returns the theta that divides the larger of their two

@@ -5,6 +5,9 @@
 
 #include <stdbool.h>
 
+/* [eps] A change of g by fewer units of roundoff of its terms has no certain sign, and ends the search of a dip. */
+#define EVENT_ROUNDOFF_UNITS 64.0 /* found: make check-events */
+
 /* A sample of an event function: the value g at the abscissa theta. */
 typedef struct {
     double theta, g;

@@ -11,6 +11,29 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* ---- Constants found by trials ----------------------------------------------------------------------------------- */
+
+/* [lines] A root is searched on at most this many lines. */
+#define EVENT_MAX_LINES 5 /* found: make check-events */
+/* [h] A straight line replaces the solution up to this distance. */
+#define EVENT_LINE_MAX_LENGTH 2e-9 /* found: make check-events */
+/* [h] Half the distance of the two points of a difference quotient. */
+#define EVENT_CHORD 1e-5 /* found: make check-events */
+/* [1] The slope of a line has this many times the curve's error. */
+#define EVENT_SLOPE_ERROR 32.0 /* found: make check-events */
+/* [h] A correction of theta is short if it is at most EVENT_SHORT_CORRECTION, and at most EVENT_SHORT_CORRECTION_PART
+ * of the distance from the corrected theta to the nearer end of the bracket. */
+#define EVENT_SHORT_CORRECTION      1e-6 /* found: make check-events */
+#define EVENT_SHORT_CORRECTION_PART 1e-3 /* found: make check-events */
+/* [h] Near an event the solution is replaced by a straight line through one of its states, the origin of the line
+ * (finder.h). An estimated root of g on the line lies in a small bracket, whose ends move outwards until g changes its
+ * sign. A bracket's ends are first this far from the estimated root. */
+#define EVENT_SURE_DISTANCE 0x1p-50 /* found: make check-events */
+/* [1] Each next move of a bracket's end is this many times as long. */
+#define EVENT_BRACKET_GROWTH 16.0 /* found: make check-events */
+/* [h] An end of a bracket is at most this far from the line's origin. */
+#define EVENT_BRACKET_MAX_DISTANCE (1.0 / 16) /* found: make check-events */
+
 tvi_status tvi_finder_open(tvi_event_finder *finder, tvi_event_search *search)
 {
     const tvi_integrator *it = search->integrator;

@@ -11,6 +11,39 @@
 
 #include <math.h>
 
+/* ---- Constants found by trials ----------------------------------------------------------------------------------- */
+
+/* [1] A step may change the energy by this part. Steps near a pericentre that were right to 1e-3 changed it by 4 %. */
+#define GUARD_MAX_ENERGY_CHANGE 0.05 /* found: make guard */
+/* [1], [passes] Steps with at most these tails and passes are accepted without a check of the energy. They were right
+ * in all runs of docs/stability.md. The passes of methods with series contract faster. The energy of Galerkin steps is
+ * unchecked up to this tail. */
+#define GUARD_UNCHECKED_TAIL 1e-3 /* found: make stability */
+/* The energy of steps with series is unchecked up to this tail. */
+#define GUARD_UNCHECKED_SERIES_TAIL 1e-4 /* found: make stability */
+/* The energy of Galerkin steps is unchecked up to this many passes. */
+#define GUARD_UNCHECKED_PASSES 32 /* found: make stability */
+/* The energy of series' steps is unchecked up to this many passes. */
+#define GUARD_UNCHECKED_SERIES_PASSES 4 /* found: make stability */
+/* [1] A change of the energy is roundoff if it is below this part of |H| plus the sum of |q dp/dt| and |p dq/dt|. */
+#define GUARD_ENERGY_ROUNDOFF (64 * DBL_EPSILON) /* found: make guard */
+/* [1] The change of an energy that is nearly 0, such as K = g (H + e), is compared with p.dq/dt instead of the energy.
+ * An energy is nearly 0 if it is at most this part of p.dq/dt. */
+#define GUARD_MIN_PART_OF_ACTION 1e-6 /* found: make guard */
+/* This part of p.dq/dt takes the place of an energy that is nearly 0. */
+#define GUARD_PART_OF_ACTION (1.0 / 64) /* found: make guard */
+/* [1] Two energies count as equal if they differ by at most this part. The guard compares the energies H(c q, 0) at two
+ * large c, to find whether they have a limit, and H(q, p) and H(q, -p), to find whether H is even in p. */
+#define GUARD_LEVEL_MAX_DIFFERENCE 1e-9 /* found: make check-stability, suite zero */
+/* [increments of the step] The lowest energy at rest, H(q, 0), is searched at points q of lines, at growing distances.
+ * A step from rest that is too large may be a billion times as long as it should be. The search for the lowest energy
+ * at rest begins this far from a state. */
+#define GUARD_LEVEL_MIN_DISTANCE 0x1p-30 /* found: make check-stability, suite zero */
+/* The search for the lowest energy at rest ends this far from a state. */
+#define GUARD_LEVEL_MAX_DISTANCE 0x1p12 /* found: make check-stability, suite zero */
+/* [1] The distances of the search for this energy grow by this factor. */
+#define GUARD_LEVEL_RATIO 2 /* found: make check-stability, suite zero */
+
 /* Tells whether the system has a conserved energy, and the user has not switched off the guard (max_tail < 0). */
 static bool has_conserved_energy_to_check(const tvi_integrator *it)
 {

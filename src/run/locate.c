@@ -10,6 +10,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* ---- Constants found by trials ----------------------------------------------------------------------------------- */
+
+/* [1] Times are the same if they differ by at most this part. */
+#define EVENT_SAME_TIME (2 * DBL_EPSILON) /* found: make check-events */
+/* [1] Two stops are one if their times differ by less. */
+#define EVENT_SAME_STOP (32 * DBL_EPSILON) /* found: make check-events */
+/* [h] A root this near to a stop may be that stop, by the roundoff of g. */
+#define EVENT_NEAR_STOP 1e-6 /* found: make check-events */
+/* [h] Two roots of an event this near, in one direction, are one root. */
+#define EVENT_SAME_ROOT 1e-12 /* found: make check-events */
+
 /* The memory of a run with events. States are vectors [2n + 1], in the order q, p, t. */
 struct tvi_locator {
     const tvi_single_run *run;

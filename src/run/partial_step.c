@@ -9,6 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* [corrections] The size of a partial step is corrected at most this often. */
+#define PARTIAL_STEP_MAX_CORRECTIONS 12 /* found: make check-events */
+/* [h] Partial steps whose sizes differ by less have nearly the same nodes and can use each other's history. */
+#define PARTIAL_STEP_NEAR 1e-3 /* found: make check-events */
+
 tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator *full_step_integrator,
                                  bool uses_history_after_step)
 {

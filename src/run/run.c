@@ -8,6 +8,11 @@
 #include <limits.h>
 #include <math.h>
 
+/* [steps] A run checks once in this many steps that its time moves. */
+#define RUN_STEPS_BETWEEN_CHECKS 64 /* found: make check-events */
+/* [steps] A run fails after this many consecutive steps that hardly move its time. */
+#define RUN_MAX_SLOW_STEPS (1 << 16) /* found: make check-rescaled */
+
 int tvi_call_observer(tvi_integrator *it, tvi_observer *observer, long step, double t, const double q[],
                       const double p[], void *ctx)
 {

@@ -10,6 +10,33 @@
 #include <math.h>
 #include <string.h>
 
+/* ---- Constants found by trials ----------------------------------------------------------------------------------- */
+
+/* A step with a larger tail is undone and repeated. */
+#define SCOUT_MAX_TAIL 0.03 /* found: make suggest */
+/* The scout estimates the resolving step size of a position, whose tail would be SCOUT_RESOLVING_TAIL, from the tail of
+ * its last step there. The other factors are the size of the scout's next step, divided by that of the last one. The
+ * scout's next step is this part of a first step that fails. */
+#define SCOUT_FIRST_FAILED_FACTOR 0.125 /* found: make suggest */
+/* The scout's next step is this part of a later step that fails. */
+#define SCOUT_FAILED_FACTOR 0.6 /* found: make suggest */
+/* The scout's next step is at most this many times the last one. */
+#define SCOUT_MAX_GROWTH 1.6 /* found: make suggest */
+/* The estimated resolving step size is at least this part of the last step. */
+#define SCOUT_MIN_RESOLVING_FACTOR 0.4 /* found: make suggest */
+/* The estimated resolving step size is at most this many times the last. */
+#define SCOUT_MAX_RESOLVING_FACTOR 8.0 /* found: make suggest */
+/* A harder position has a resolving step below this part of the least. */
+#define SCOUT_HARDER_FACTOR 0.9 /* found: make suggest */
+/* The scout's first step may change the energy by this part. */
+#define SCOUT_MAX_ENERGY_CHANGE 0.1 /* found: make suggest */
+/* The scout's first step and two half steps may differ by this part. */
+#define SCOUT_MAX_DISTANCE 0.25 /* found: make suggest */
+/* A step's weight: its resolving step size to minus this power. */
+#define SCOUT_ERROR_POWER 4.0 /* found: make suggest */
+/* The least weight of a step, in weights of the hardest step. */
+#define SCOUT_MIN_WEIGHT 0.02 /* found: make suggest */
+
 void tvi_integrated_orbit_set_state(tvi_integrated_orbit *orbit, int n, const double *state)
 {
     memcpy(orbit->q, state, (size_t)n * sizeof *orbit->q);

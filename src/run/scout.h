@@ -3,10 +3,15 @@
 #ifndef TVI_SRC_RUN_SCOUT_H
 #define TVI_SRC_RUN_SCOUT_H
 
-#include "measured.h"
 #include "tvi.h"
 
 #include <stdbool.h>
+
+/* [steps] The scout tries at most this many. */
+#define SCOUT_MAX_STEPS 24 /* found: make suggest */
+/* A step just resolves the orbit if its tail (tvi_stats.tail) is this. The tail is the last term of the polynomial of
+ * the forces, divided by the momentum. */
+#define SCOUT_RESOLVING_TAIL 0.003 /* found: make suggest */
 
 /* An orbit that is being integrated: the integrator, and its current state (t, q[n], p[n]). */
 typedef struct {

@@ -10,6 +10,19 @@
 #include <math.h>
 #include <string.h>
 
+/* ---- Constants found by trials ----------------------------------------------------------------------------------- */
+
+/* [h] Extra samples of g are this far from step ends and zeros of g. */
+#define EVENT_EDGE 0x1p-20 /* found: make check-events */
+/* [mean slope of |g|] Below this slope at a step end, a dip may be near. */
+#define EVENT_FLAT_SLOPE 0.1 /* found: make check-events */
+/* [1] g has a kink if a 4th or 8th difference of its samples is above this part of their largest first difference. */
+#define EVENT_KINK 0.05 /* found: make check-events */
+/* [h] The secant method ends when theta changes by no more. */
+#define EVENT_SECANT_MIN_CHANGE 1e-4 /* found: make check-events */
+/* [secants] The secant method ends after this many. */
+#define EVENT_MAX_SECANTS 6 /* found: make check-events */
+
 static bool have_same_nonzero_sign(double a, double b) { return a > 0 ? b > 0 : a < 0 && b < 0; }
 
 tvi_status tvi_search_compute_curve_state(tvi_event_search *search, double theta, double state[])

@@ -8,12 +8,27 @@
  * coefficient has the sign of g(x + d) - g(x), where x is the state at the start of the step, and d the increment of a
  * tiny step of the method. */
 #include "run/search.h"
+#include "run/dip.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
+
+/* ---- Constants found by trials ----------------------------------------------------------------------------------- */
+
+/* [eps] A state after a step, or on the curve, is a sum. Its roundoff is this many units of its components. */
+#define EVENT_STATE_ROUNDOFF_UNITS 4.0 /* found: make check-events */
+/* [h] If g is 0 at the start of a step, the sign of g just after the start is found at growing theta, first at this
+ * one. */
+#define EVENT_FIRST_THETA 0x1p-200 /* found: make check-events */
+/* [h] The first such theta in a rescaled system. */
+#define EVENT_FIRST_RESCALED_THETA 0x1p-60 /* found: make check-events */
+/* [h] The least theta at which a g that left 0 is checked to be off 0. */
+#define EVENT_RETURN_MIN_THETA 0x1p-52 /* found: make check-events */
+/* [1] An unsure sign of g is taken again at this many times theta. */
+#define EVENT_RETURN_THETA_GROWTH 16.0 /* found: make check-events */
 
 static bool are_bitwise_equal(int n, const double a[], const double b[])
 {

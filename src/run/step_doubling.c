@@ -9,6 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The lag of two orbits counts above this part of the top speed. */
+#define DOUBLING_MIN_SPEED (1.0 / 30) /* found: make suggest */
+/* The companion orbit's first distance from the scout's orbit. */
+#define DOUBLING_START_DISTANCE 1e-7 /* found: make suggest */
+
 /* ---- Open and close ---------------------------------------------------------------------------------------------- */
 
 tvi_status tvi_step_doubling_open(tvi_step_doubling *doubling, const tvi_system *system, const tvi_options *options)

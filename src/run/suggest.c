@@ -26,6 +26,62 @@
 #include <math.h>
 #include <string.h>
 
+/* ---- Constants found by trials ----------------------------------------------------------------------------------- */
+
+/* In a rescaled system trials aim lower, since another passage of a pericentre may be worse than that in the trial.
+ * Trials aim at this part of the wanted error. */
+#define SUGGEST_AIM 0.08 /* found: make suggest */
+/* Trials of rescaled systems aim at this part of the wanted error. */
+#define SUGGEST_AIM_RESCALED 0.06 /* found: make suggest */
+/* The factor of a trial is its step size divided by that of the trial before. The factor of the suggestion is the
+ * suggested step size divided by that of the last trial. A trial after a failed one, or after one with a large error,
+ * has this factor. */
+#define SUGGEST_FAILED_FACTOR 0.88 /* found: make suggest */
+/* A trial after a failed one has this factor in a rescaled system. */
+#define SUGGEST_FAILED_FACTOR_RESCALED 0.7 /* found: make suggest */
+/* The factor of the suggestion if no trial came near the aim. */
+#define SUGGEST_UNKNOWN_FACTOR 0.8 /* found: make suggest */
+/* The least factor of a trial; the largest is 1 / SUGGEST_MIN_FACTOR. */
+#define SUGGEST_MIN_FACTOR 0.25 /* found: make suggest */
+/* The aim divided by the error of a trial counts as at least this. */
+#define SUGGEST_MIN_AIM_PER_ERROR 1e-3 /* found: make suggest */
+/* The error of a trial is roundoff if SUGGEST_ROUNDOFF_DOUBT is above the distance of its orbits, and if a step size
+ * that should reduce the error to the part SUGGEST_EXPECTED_DECREASE does not reduce it by the factor
+ * SUGGEST_ROUNDOFF_DECREASE. A smaller distance of two orbits may be roundoff alone. */
+#define SUGGEST_ROUNDOFF 1e-13 /* found: make suggest */
+/* An error may be roundoff if the orbits' distance is below this. */
+#define SUGGEST_ROUNDOFF_DOUBT 1e-10 /* found: make suggest */
+/* An error that falls by less than this factor may be roundoff alone. */
+#define SUGGEST_ROUNDOFF_DECREASE 3 /* found: make suggest */
+/* A shorter step tests for roundoff if it should reduce errors to this part. */
+#define SUGGEST_EXPECTED_DECREASE 0.01 /* found: make suggest */
+/* The first trial supposes that a step that just resolves the orbit has the error SUGGEST_RESOLVED_ERROR tail^a, with a
+ * = order / degree. */
+#define SUGGEST_RESOLVED_ERROR 0.1 /* found: make suggest */
+/* The first trial covers this part of the run. */
+#define SUGGEST_COVERED_PART 0.05 /* found: make suggest */
+/* The tail of a step is at most this many times SCOUT_RESOLVING_TAIL. */
+#define SUGGEST_MAX_TAIL_RATIO 40.0 /* found: make suggest */
+/* A step size is accepted if the error of the whole run is at most SUGGEST_MAX_ERROR times the wanted error. It is the
+ * longest one if that error is at least SUGGEST_FULL_ERROR times the wanted one, or if a step that is
+ * SUGGEST_LONGER_FACTOR times as long is not accepted. */
+#define SUGGEST_MAX_ERROR     0.9  /* found: make suggest */
+#define SUGGEST_FULL_ERROR    0.02 /* found: make suggest */
+#define SUGGEST_LONGER_FACTOR 1.1  /* found: make suggest */
+/* The suggested step size is divided by 1 + SUGGEST_SPREAD_WEIGHT log(r). r is the ratio of the largest to the smallest
+ * resolving step size, but at most SUGGEST_MAX_SPREAD. */
+#define SUGGEST_SPREAD_WEIGHT 0.15 /* found: make suggest */
+#define SUGGEST_MAX_SPREAD    30.0 /* found: make suggest */
+/* The roundoff of the time t of a run causes an error. To measure it, tvi_suggest_step compares a step from t with one
+ * from t + shift. In a run this roundoff adds up to SUGGEST_TIME_BIAS sqrt(steps) units, of DBL_EPSILON t each. */
+#define SUGGEST_TIME_BIAS 3.0 /* found: make suggest */
+/* The error by the roundoff of t is measured if it may be more than this part of the wanted error. */
+#define SUGGEST_TIME_DOUBT 0.01 /* found: make suggest */
+/* [h] The shift of t, as a part of the duration of the step. */
+#define SUGGEST_TIME_SHIFT 1e-3 /* found: make suggest */
+/* [eps] The shift of t is at least this many times DBL_EPSILON t. */
+#define SUGGEST_TIME_SHIFT_UNITS 4.0 /* found: make suggest */
+
 /* The search for a step size: the trials so far, and what they show. */
 typedef struct {
     tvi_trials trials;

@@ -26,6 +26,21 @@
 #include "algebra/sizes.h"
 #include "run/integrator.h"
 
+/* ---- Constants found by trials ----------------------------------------------------------------------------------- */
+
+/* A larger distance of two orbits does not grow as a power of the step size. */
+#define TRIAL_MAX_DISTANCE 0.05 /* found: make suggest */
+/* [steps] In driven systems the growth of errors is measured from this step on. */
+#define TRIAL_GROWTH_FIRST_STEP 8 /* found: make suggest */
+/* [steps] In driven systems the growth of errors is measured once in this many steps. */
+#define TRIAL_GROWTH_INTERVAL 4 /* found: make suggest */
+/* [steps] A large estimate does not end a trial of fewer steps. */
+#define TRIAL_MIN_STEPS 4 /* found: make suggest */
+/* The hardest step comes before this part of the trial. */
+#define TRIAL_MAX_HARDEST_PART 0.6 /* found: make suggest */
+/* The companion orbit needs a scout that saw this part of the run. */
+#define TRIAL_COMPANION_MIN_EXPLORED 0.5 /* found: make suggest */
+
 static bool is_power_of_two(long k) { return (k & (k - 1)) == 0; }
 
 /* Updates the error estimate after a step of the trial. `distance` is the distance of the two orbits at the end of the

@@ -7,6 +7,25 @@
 
 #include <math.h>
 
+/* ---- Constants found by trials ----------------------------------------------------------------------------------- */
+
+/* The scout and all trials together make at most the part TRIALS_PART_OF_RUN of the steps of the run. */
+#define TRIALS_PART_OF_RUN 0.04 /* found: make suggest */
+/* [steps] The scout and all trials may make at least this many steps together. */
+#define TRIALS_MIN_STEPS 60 /* found: make suggest */
+/* [steps] The scout and all trials make at most this many steps together. */
+#define TRIALS_MAX_STEPS 6000 /* found: make suggest */
+/* A trial ends if its estimate and the aim differ by more than this factor. */
+#define TRIAL_ERROR_BAND 30.0 /* found: make suggest */
+/* A trial counts as much as the longest one if it covers this part of it. */
+#define TRIAL_EQUAL_LENGTH 0.8 /* found: make suggest */
+/* A trial that leaves out a smaller part of the run covers the whole run. */
+#define TRIAL_END 1e-9 /* found: make suggest */
+/* Errors grow as t^a with the time t of a run. This is the exponent a; in driven systems it is the largest one. */
+#define TRIAL_GROWTH_EXPONENT 1.25 /* found: make suggest */
+/* This is the exponent a in rescaled systems. */
+#define TRIAL_GROWTH_EXPONENT_RESCALED 1.1 /* found: make suggest */
+
 /* A step of a trial costs three steps of the integrator: one of size h, and two of half that size. The steps of all
  * trials and of the scout together are limited to TRIALS_PART_OF_RUN of the steps of the run, but this limit is at
  * least TRIALS_MIN_STEPS and at most TRIALS_MAX_STEPS. */

@@ -10,6 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* [orders] The degree of the Taylor polynomial of g along a line. */
+#define EVENT_LINE_DEGREE 8 /* found: make check-events */
+
 /* Calls the user's function g on jets, and creates the tapes of its values and of its Taylor series. */
 static tvi_status record_event_function(tvi_event *event, tvi_event_fn *g, void *ctx)
 {

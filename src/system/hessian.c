@@ -5,6 +5,15 @@
 
 #include <stdlib.h>
 
+/* [quarters] The second derivatives of K = g f, with f = H + e, save passes of large steps. They are used if the field
+ * with them depends on at most HESSIAN_MAX_COST / 4 times as many nodes of the graph as the field alone. If they cost
+ * more, the additional passes without them take as little time. */
+#define HESSIAN_MAX_COST 14 /* found: make stability */
+/* [numbers] The whole matrix K'' is recorded if the nodes of the graph times the rows of K'' are at most this many. */
+#define HESSIAN_WHOLE_MAX_NUMBERS 4096 /* found: make performance ONE=compiling */
+/* [nodes] If the whole K'' is too costly, the simpler K'' at f = 0 is recorded for graphs of up to this many nodes. */
+#define HESSIAN_SHORT_MAX_NODES 800 /* found: make performance ONE=compiling */
+
 /* Makes room for one more row of second derivatives: in *jets, which contains the field, all second derivatives so far
  * and then a gradient of which the new row is taken, and in system->hessian, which has the place of each of them. */
 static bool grow_hessian_arrays(tvi_system *system, jet **jets)

@@ -9,6 +9,28 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* ---- Constants found by trials ----------------------------------------------------------------------------------- */
+
+/* [1] A solution x has |y - f(x)| at most this part of |y|, or of |f(x)| at the start if that is larger. If the
+ * iteration runs off to infinity, the residual is large. */
+#define LEGENDRE_MAX_RESIDUAL 1e-6 /* found: make check-generating */
+/* [iterations] Newton's method for x in y = f(x) makes at most this many. */
+#define LEGENDRE_MAX_ITERATIONS 100 /* found: make check-generating */
+/* [halvings] A correction of x is halved at most this many times. */
+#define LEGENDRE_MAX_HALVINGS 40 /* found: make check-generating */
+/* [halvings] From this many on, f(x) may be farther from y than before. */
+#define LEGENDRE_MAX_GROWTH_HALVINGS 12 /* found: make check-generating */
+/* [1] The matrix dy/dx is reused if the residual is below this part of the residual for which the matrix was
+ * computed. */
+#define LEGENDRE_REUSE_MAX_RATIO 1e-3 /* found: make check-generating */
+/* [1] Corrections that no longer shrink are roundoff if they are below this part of x. */
+#define LEGENDRE_STALLED_CORRECTION 1e-12 /* found: make check-stability, suite equilibria */
+/* [points] L_vv is tested for regularity at up to this many random points; it is regular if it is so at one of them. */
+#define LEGENDRE_PROBES 8 /* found: make check-generating */
+/* [1] L_vv is regular at a point if its least pivot is larger. The pivots of a singular matrix are roundoff, which may
+ * not be exactly 0. */
+#define LEGENDRE_REGULAR_MIN_PIVOT 1e-9 /* found: make check-generating */
+
 void tvi_legendre_allocate(tvi_legendre_transform *legendre, tvi_arena *arena, const tvi_system *system)
 {
     const size_t slots = (size_t)system->field_series->slot_count, n = (size_t)system->n;

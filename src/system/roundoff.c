@@ -6,6 +6,10 @@
 #include <math.h>
 #include <string.h>
 
+/* [1] The motion in a step is small if no node is farther from q at the start than |q| plus this many times the
+ * drift. */
+#define ROUNDOFF_MAX_SPEED_GROWTH 4 /* found: make check-generating, suite convergence */
+
 enum { SAMPLES = TVI_ROUNDOFF_SAMPLES };
 
 void tvi_roundoff_allocate(tvi_roundoff_estimator *roundoff, tvi_arena *arena, const tvi_system *system)

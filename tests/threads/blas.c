@@ -1,5 +1,5 @@
 /* blas.c - Prints the bits of a run whose equations are solved by LAPACK, of fewer and of more rows than
- * LAPACK_THREADED_MIN_ROWS (ad/measured.h): bodies whose Lagrangian does not separate, some steps.
+ * LAPACK_THREADED_MIN_ROWS (algebra/linear.c): bodies whose Lagrangian does not separate, some steps.
  * tests/blas_threads.sh compares what it prints. */
 #include "tvi.h"
 
