@@ -9,6 +9,17 @@
 #include <float.h>
 #include <stdbool.h>
 
+/* [1] If a correction is at least this part of the one before, the next one is expected to be as large. Newton's method
+ * trusts any decrease of corrections, but allows for a slower one (NEWTON_MAX_RATIO_GROWTH). */
+#define PASSES_MAX_CONTRACTION 0.5 /* found: make check-generating */
+/* [1] Newton's method, and generalised conjugate residuals, are stuck if a correction is more than this part of the one
+ * before. */
+#define PASSES_STALL_RATIO 0.5 /* found: make check-generating */
+/* [1] Corrections that no longer shrink are roundoff if they are at most this many times the estimated roundoff. Near
+ * equilibria (suite equilibria of build/check/stability) one in a hundred was larger, which costs a pass or a Jacobian.
+ * A correction below the limit does no harm even if it is not roundoff. */
+#define ROUNDOFF_MAX_UNITS 32.0 /* found: make check-stability */
+
 /* The stall ratio of a rule whose passes are stuck only if the correction does not shrink at all. */
 #define TVI_STALL_WITHOUT_DECREASE (1 - DBL_EPSILON)
 

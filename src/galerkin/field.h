@@ -9,9 +9,9 @@
 struct tvi_roundoff_estimator;
 
 /* The tapes of a field at all nodes, and their blocks. A block begins with the inputs of the tape, a row of lane_count
- * numbers each: n rows of q, in equations of first order n rows of v or p, then the time and the parameters. Index false
- * is for the values alone, in a separable system the forces and otherwise the gradient of L or K; index true is for the
- * tape that has the second derivatives, too, whose block ends with a row of zeros. */
+ * numbers each: n rows of q, in equations of first order n rows of v or p, then the time and the parameters. Index
+ * false is for the values alone, in a separable system the forces and otherwise the gradient of L or K; index true is
+ * for the tape that has the second derivatives, too, whose block ends with a row of zeros. */
 typedef struct {
     int n, lane_count, input_count;
     const jet_tape *tape[2];
@@ -28,10 +28,10 @@ JET_INLINE bool galerkin_sweep(const galerkin_field *field, bool with_hessian)
     return with_hessian ? GALERKIN_HESSIAN_VALUES(field->block[true]) : GALERKIN_VALUES(field->block[false]);
 }
 
-/* Evaluates the tape for one vector of nodes after the other, if its operations are functions of their own (GALERKIN_IS_
- * SPLIT): all numbers stay in registers, and the impulses alone are stored. Returns false if an operand is outside its
- * domain. */
-JET_INLINE bool galerkin_set_impulses_by_registers(const galerkin_nodes *nodes)
+/* Evaluates the tape for one vector of nodes after the other, if its operations are functions of their own
+ * (GALERKIN_IS_ SPLIT): all numbers stay in registers, and the impulses alone are stored. Returns false if an operand
+ * is outside its domain. */
+JET_INLINE bool galerkin_impulses_by_registers(const galerkin_nodes *nodes)
 {
     bool is_inside = true;
     for (int v = 0; v < (GALERKIN_IS_SPLIT ? GALERKIN_LANES / NODE_VEC : 0); v++) {

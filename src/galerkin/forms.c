@@ -1,5 +1,5 @@
-/* forms.c - Prepares the three forms of the equations of a Galerkin step (steps.h), and predicts their unknowns from the
- * start of a step: memory, lists of the rows that have the rates, and of the second derivatives that are not 0. */
+/* forms.c - Prepares the three forms of the equations of a Galerkin step (steps.h), and predicts their unknowns from
+ * the start of a step: memory, lists of the rows that have the rates, and of the second derivatives that are not 0. */
 #include "galerkin/galerkin.h"
 
 #include <string.h>
@@ -158,8 +158,8 @@ static bool is_inner(const galerkin_stepper *stepper, int unknown)
     return has_elements(stepper, unknown) && has_elements(stepper, rate_of(stepper, unknown));
 }
 
-/* Appends to unknown_of_row, which has `count` elements, the unknowns whose rates depend on unknowns, and that take part
- * in the inner iterations or not. Returns the new length. */
+/* Appends to unknown_of_row, which has `count` elements, the unknowns whose rates depend on unknowns, and that take
+ * part in the inner iterations or not. Returns the new length. */
 static int append_rows(galerkin_stepper *stepper, bool inner, int count)
 {
     for (int u = 0; u < stepper->step.nodes.unknown_count; u++)

@@ -12,7 +12,7 @@ static int choose_lane_count(int node_count) { return node_count <= 4 ? 4 : node
 
 /* Counts how many of the last coordinates are cyclic: H does not depend on them, as on the time of many rescaled
  * systems. The momentum is constant, and the coordinate follows from a quadrature: passes need not move them. */
-static int count_trailing_cyclic_coordinates(const tvi_system *system)
+static int count_cyclic_coordinates(const tvi_system *system)
 {
     const int *force = system->field_values->output_slot;
     int count = 0;
@@ -24,7 +24,7 @@ static int count_trailing_cyclic_coordinates(const tvi_system *system)
 
 static void allocate_nodes(galerkin_nodes *nodes, tvi_arena *arena, const tvi_system *system, int node_count)
 {
-    const int cyclic = count_trailing_cyclic_coordinates(system);
+    const int cyclic = count_cyclic_coordinates(system);
     nodes->node_count = node_count;
     nodes->lane_count = choose_lane_count(node_count);
     nodes->unknown_count = system->input_count;

@@ -1,5 +1,5 @@
-/* galerkin.h - Declares the stepper of the Galerkin curve: the step that it makes (steps.h), and what is computed once or
- * seldom: tables, first predictions, the roundoff of a pass, and generated code. */
+/* galerkin.h - Declares the stepper of the Galerkin curve: the step that it makes (steps.h), and what is computed once
+ * or seldom: tables, first predictions, the roundoff of a pass, and generated code. */
 #ifndef TVI_SRC_GALERKIN_GALERKIN_H
 #define TVI_SRC_GALERKIN_GALERKIN_H
 
@@ -8,6 +8,9 @@
 #include "method/stepper.h"
 #include "system/legendre.h"
 #include "system/roundoff.h"
+
+/* [h] A step follows the last one if it begins less than this from where the last one ended. */
+#define GALERKIN_MAX_TIME_GAP 0.25 /* found: make longrun */
 
 /* ---- The parts of a stepper -------------------------------------------------------------------------------------- */
 
@@ -64,8 +67,8 @@ typedef struct {
 
 /* Sets the weights and scales of the nodes for the step size h. */
 void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h);
-/* The functions of nodes.h, ends.h and steps.h for the other files. tvi_galerkin_move moves the unknowns by the rates in
- * the rows of nodes.x. */
+/* The functions of nodes.h, ends.h and steps.h for the other files. tvi_galerkin_move moves the unknowns by the rates
+ * in the rows of nodes.x. */
 void tvi_galerkin_move(const galerkin_step *step);
 void tvi_galerkin_predict(const galerkin_step *step, const galerkin_extrapolation *by);
 tvi_status tvi_galerkin_make_pass(const galerkin_step *step, double *movement, galerkin_counts *counts);

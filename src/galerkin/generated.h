@@ -6,6 +6,10 @@
 
 #include "galerkin/steps.h"
 
+/* [numbers] Blocks of up to this size are local variables of a generated step, so that compilers know that nothing else
+ * changes them (make performance ONE=compiled). */
+#define GALERKIN_MAX_LOCAL 4096 /* found: make performance ONE=compiled */
+
 /* Whether passes use second derivatives, and whether the blocks of the tapes and the arrays of passes are on the stack:
  * those of nodes.x, of the values, of the second derivatives (rows of lanes), and the packed K''. */
 enum {

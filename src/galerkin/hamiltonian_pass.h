@@ -1,22 +1,33 @@
 /* hamiltonian_pass.h - Makes passes for a Hamiltonian K(q, p) whose second derivatives are used, by an approximate
  * Newton iteration (docs/method.md section 5). For a rescaled system K is g (H + e), where H + e is 0 on the solution.
- *
  * A pass evaluates the gradient (K_q, K_p) at the unknowns x = (Q, P), and the matrix K'' of its derivatives, too. One
  * fixed-point iteration with this gradient would move x by d_0. If the gradient were its expansion to first order, the
  * next iterations would move x by
- *
  *     d_{k+1} = h a J K'' d_k,    J (K_q, K_p) = (K_p, -K_q),
  *
  * with the matrix a of Gauss collocation. The computation of one d_k is an inner iteration, which takes a small part of
  * the time of an evaluation. The pass ends with a movement by the gradient, expanded to first order, at x + sum_k d_k.
- *
  * Inner iterations have single precision, which takes half the time of double precision: the error that a pass leaves
- * is larger than 2^-24 of its movement, except in the last pass, whose movement is roundoff. Changes are relative to the
- * sizes of the unknowns, so that they do not depend on units. */
-#ifndef TVI_SRC_GALERKIN_HAMILTONIAN_PASS_H
-#define TVI_SRC_GALERKIN_HAMILTONIAN_PASS_H
+ * is larger than 2^-24 of its movement, except in the last pass, whose movement is roundoff. Changes are relative to
+ * the sizes of the unknowns, so that they do not depend on units. */
+#ifndef TVI_GALERKIN_HAMILTONIAN_PASS_H
+#define TVI_GALERKIN_HAMILTONIAN_PASS_H
 
 #include "galerkin/field.h"
+
+/* [1] Passes with second derivatives, which cost more than others, end when the next is expected to move the unknowns
+ * by this part of their sizes (GALERKIN_GOAL). */
+#define GALERKIN_HESSIAN_GOAL 0x1p-72 /* found: make longrun */
+/* [1] Inner iterations end when the square of the next movement is expected to be at most this many times the square of
+ * the error of the expansion to first order. With half of this number steps take more time, with twice this number more
+ * passes. */
+#define GALERKIN_INNER_GOAL 4 /* found: make longrun */
+/* [iterations] A pass has at most this many inner iterations. */
+#define GALERKIN_MAX_INNER_ITERATIONS 32 /* found: make longrun */
+/* A pass that reuses the second derivatives of the pass before has, for a Hamiltonian, the cube of the movement as its
+ * error. For a Lagrangian make longrun SCENE=double_pendulum shows the error. */
+/* [1] H'' is reused if (relative movement)^2 is at most this. */
+#define HAMILTONIAN_HESSIAN_MAX_MOVEMENT 0x1p-50 /* found: make longrun */
 
 /* The rows of K'' that inner iterations multiply by are those of the unknowns whose rates depend on any unknown; the
  * columns, which are also the first rows, those of them on which some rate depends. Rows are stored in groups of
@@ -41,12 +52,11 @@ typedef struct {
     galerkin_nodes rates;
     int columns, rows;
     const int *unknown_of_row; /* [rows] the unknown of each row */
-    const int
-        *index_in_block;     /* [columns][rows of the group] for each group: where field.block[true] has the element */
-    float *nu;               /* [lanes][single lanes] nu_ij (nodes.h) */
-    float *packed;           /* [columns][rows of the group][single lanes] for each group: the elements */
-    double *size, *per_size; /* [rows] the size of each unknown in this step, and its reciprocal */
-    float *change, *total;   /* [rows][single lanes] d_k, and the sum of all d_k */
+    const int *index_in_block; /* [columns][rows of the group] for each group: where the block has the element */
+    float *nu;                 /* [lanes][single lanes] nu_ij (nodes.h) */
+    float *packed;             /* [columns][rows of the group][single lanes] for each group: the elements */
+    double *size, *per_size;   /* [rows] the size of each unknown in this step, and its reciprocal */
+    float *change, *total;     /* [rows][single lanes] d_k, and the sum of all d_k */
     float *impulse_change,
         *total_impulse;      /* [rows][single lanes] the changes of the impulses by `change` and `total` */
     double *impulse_changes; /* [unknowns][lanes] total_impulse in the unit of the impulses */
@@ -210,7 +220,7 @@ NODE_LOOP void hamiltonian_iterate(const galerkin_nodes *nodes, const hamiltonia
 
 /* In the first pass of a step the inner iterations end when the square of a relative movement is below this number,
  * since a second pass follows in any case. */
-#define HAMILTONIAN_FIRST_PASS_GOAL_SQUARE 0x1p-108
+#define HAMILTONIAN_FIRST_GOAL_SQUARE 0x1p-108
 
 /* Predicts the rates from the impulses of earlier steps, and moves all unknowns by them. */
 static inline void hamiltonian_predict(hamiltonian_pass *pass, const galerkin_nodes *nodes, const int rate_row[],
@@ -232,7 +242,7 @@ static inline bool hamiltonian_make_pass(hamiltonian_pass *pass, const galerkin_
                is_new = !(pass->last_movement <= HAMILTONIAN_HESSIAN_MAX_MOVEMENT * numbers);
     const int *slot = field->slot[is_new];
     const double least =
-        numbers * (is_first ? HAMILTONIAN_FIRST_PASS_GOAL_SQUARE : GALERKIN_HESSIAN_GOAL * GALERKIN_HESSIAN_GOAL);
+        numbers * (is_first ? HAMILTONIAN_FIRST_GOAL_SQUARE : GALERKIN_HESSIAN_GOAL * GALERKIN_HESSIAN_GOAL);
     const double *rates = galerkin_evaluate_gradient_at(field, is_new, nodes->x, nodes->x + numbers / 2);
     if (!rates) return false;
     for (int i = 0; i < (is_first ? pass->rows : 0); i++) {

@@ -9,12 +9,25 @@
  *
  * where L_v and its derivatives are those at (Q*, V*), h is the step size, a the matrix of Gauss collocation and (q0,
  * p0) the state at the start of the step. */
-#ifndef TVI_SRC_GALERKIN_LAGRANGIAN_PASS_H
-#define TVI_SRC_GALERKIN_LAGRANGIAN_PASS_H
+#ifndef TVI_GALERKIN_LAGRANGIAN_PASS_H
+#define TVI_GALERKIN_LAGRANGIAN_PASS_H
 
 #include "galerkin/field.h"
 
 #include <float.h>
+
+/* [1] Rows would have to be exchanged if a pivot is smaller, or larger, by this factor than the number on the diagonal
+ * before the elimination. */
+#define LINEAR_MIN_PIVOT_OF_INVERSE (1.0 / 16) /* found: make check-library */
+/* [1] L'' is reused if (relative movement)^2 is at most this. */
+#define LAGRANGIAN_HESSIAN_MAX_MOVEMENT 1e-8 /* found: make longrun */
+/* [iterations] A pass for a Lagrangian has at most, and at least, this many inner iterations. More would cost more than
+ * they save. After a single iteration F would not follow V, and the energy would drift by the error of V in the last
+ * pass. */
+#define LAGRANGIAN_MAX_ITERATIONS 3 /* found: make longrun */
+#define LAGRANGIAN_MIN_ITERATIONS 2 /* found: make longrun */
+/* [bits] A Lagrangian's gradient is evaluated at coordinates and velocities with this many last bits rounded off. */
+#define LAGRANGIAN_ROUNDED_BITS 6 /* found: make longrun */
 
 /* An n x n matrix at each node, and its inverse. */
 typedef struct {

@@ -23,6 +23,10 @@
 #include <stddef.h>
 #include <string.h>
 
+/* [1] A movement is measured relative to the size of its component plus this part of the largest component of the
+ * subsystem: the roundoff of a small component is no smaller than that of a large one. */
+#define GALERKIN_MIN_SHARE 1e-3 /* found: make longrun */
+
 enum { GALERKIN_MAX_LANES = 12 };
 /* The number of steps whose impulses are stored: the last two steps and the current step. */
 enum { GALERKIN_RING_LENGTH = 3 };
@@ -314,9 +318,9 @@ JET_INLINE double multiply_add_once(double a, double b, double c)
 #endif
 }
 
-/* Sets the impulses L_j = h b_j F_j + change_j. If the change were added to the rate before the multiplication, a change
- * below the roundoff of the rate would be lost or rounded up in the same way in each step (docs/method.md section
- * 6). */
+/* Sets the impulses L_j = h b_j F_j + change_j. If the change were added to the rate before the multiplication, a
+ * change below the roundoff of the rate would be lost or rounded up in the same way in each step (docs/method.md
+ * section 6). */
 JET_INLINE void set_changed_impulse_rows(const galerkin_nodes *nodes, const double *rates, const double *change,
                                          const int slot[], const int lanes)
 {

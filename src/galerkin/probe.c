@@ -9,6 +9,17 @@
 #include <stdint.h>
 #include <string.h>
 
+/* [1] Passes without second derivatives end when the next pass is expected to move the unknowns by at most this part of
+ * their sizes. This is far below roundoff, since what is left has the same sign in each step. */
+#define GALERKIN_GOAL 0x1p-80 /* found: make longrun */
+/* [1] A movement of the unknowns by at most this part may be roundoff, and shows no contraction. */
+#define GALERKIN_ROUNDOFF_LEVEL (32 * DBL_EPSILON) /* found: make longrun */
+/* [passes] A step begins again without prediction after this many passes, and fails after this many further ones. */
+#define GALERKIN_MAX_PASSES 100 /* found: make stability */
+/* [eps] The roundoff of a pass is measured by a pass from displaced unknowns and displaced values of the field. The
+ * displacements have this many units of roundoff. */
+#define GALERKIN_PROBE_UNITS 16 /* found: make stability */
+
 /* ---- The rules --------------------------------------------------------------------------------------------------- */
 
 /* The rules that end the passes. Sizes of corrections are squares, summed over all unknowns and lanes, relative to the
@@ -122,9 +133,9 @@ static tvi_status make_displaced_pass(galerkin_step *step, double *movement, gal
     return status;
 }
 
-/* Makes the next pass, and measures its roundoff: the distance from where a pass with displaced unknowns and a displaced
- * field ends. The iterations within a pass may move the unknowns back and forth, so that only the distance from their
- * old to their new values counts. Both results are sums of squares, as movements are. */
+/* Makes the next pass, and measures its roundoff: the distance from where a pass with displaced unknowns and a
+ * displaced field ends. The iterations within a pass may move the unknowns back and forth, so that only the distance
+ * from their old to their new values counts. Both results are sums of squares, as movements are. */
 static tvi_status measure_roundoff(galerkin_step *step, double *movement, double *roundoff, galerkin_counts *counts)
 {
     const galerkin_nodes *nodes = &step->nodes;

@@ -67,8 +67,8 @@ typedef struct galerkin_outcome {
     tvi_status status;
     long step_count;
     galerkin_counts counts, counts_of_added; /* of all passes, and of those of steps that were made */
-    /* The index in the ring of the last step's impulses, and how many of the last two steps (0, 1 or 2) have the size of
-     * the next step. */
+    /* The index in the ring of the last step's impulses, and how many of the last two steps (0, 1 or 2) have the size
+     * of the next step. */
     int ring_index, equal_step_count;
     bool is_extrapolated; /* whether the first step was predicted from earlier steps, not from its start alone */
     galerkin_convergence convergence; /* of the last step */
@@ -116,7 +116,7 @@ static inline bool galerkin_make_plain_pass(const galerkin_step *step, double *m
 {
 #ifdef GALERKIN_LANES
     if (GALERKIN_IS_SPLIT) {
-        if (!galerkin_set_impulses_by_registers(&step->nodes)) return false;
+        if (!galerkin_impulses_by_registers(&step->nodes)) return false;
         *movement = move_rows(&step->nodes, NULL, GALERKIN_LANES);
         return true;
     }
@@ -151,8 +151,8 @@ static inline tvi_status galerkin_make_pass(const galerkin_step *step, double *m
 }
 
 #ifndef GALERKIN_LANES
-/* Makes the next pass, and measures its roundoff if the movement is as small as roundoff or the nodes are near the start
- * of the step: otherwise the step is too large, and its movements back and forth are no roundoff (probe.c). */
+/* Makes the next pass, and measures its roundoff if the movement is as small as roundoff or the nodes are near the
+ * start of the step: otherwise the step is too large, and its movements back and forth are no roundoff (probe.c). */
 tvi_status tvi_galerkin_make_probed_pass(galerkin_step *step, const tvi_step_origin *origin, double *movement,
                                          double *roundoff, galerkin_counts *counts);
 #endif

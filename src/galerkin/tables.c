@@ -243,8 +243,8 @@ static void fit_extrapolation_factors(const galerkin_coefficients *coefficients,
         }
 }
 
-void tvi_galerkin_compute_extrapolation(const galerkin_coefficients *coefficients, int step_count, int degree,
-                                        const double *per_impulse, double *table)
+void tvi_galerkin_extrapolation(const galerkin_coefficients *coefficients, int step_count, int degree,
+                                const double *per_impulse, double *table)
 {
     long double factors[2 * MAX_LANES][MAX_LANES];
     const int m = coefficients->node_count, lanes = coefficients->lane_count;

@@ -1,7 +1,7 @@
 /* tables.h - Computes the nodes c_i, the weights b_i and the matrix nu_ij of Gauss collocation, the polynomials through
- * the nodes, and the factors by which the rates of one or two steps are extrapolated to the next. Elements of the matrix
- * are divided by b_j, because they multiply impulses, which are rates times h b_j (docs/method.md section 6). The file is
- * compiled once, for all instruction sets: tables have the same bits in all of them. */
+ * the nodes, and the factors by which the rates of one or two steps are extrapolated to the next. Elements of the
+ * matrix are divided by b_j, because they multiply impulses, which are rates times h b_j (docs/method.md section 6).
+ * The file is compiled once, for all instruction sets: tables have the same bits in all of them. */
 #ifndef TVI_SRC_GALERKIN_TABLES_H
 #define TVI_SRC_GALERKIN_TABLES_H
 
@@ -44,7 +44,7 @@ void tvi_galerkin_compute_tables(galerkin_coefficients *coefficients, galerkin_p
 /* Computes table [step_count][j][i]: the factors of the impulses of the last step_count steps in what is predicted for
  * the next one, all of the same size. The rates are fitted by polynomials of this degree; per_impulse [j][i] is what an
  * impulse of the next step would make of its rate. */
-void tvi_galerkin_compute_extrapolation(const galerkin_coefficients *coefficients, int step_count, int degree,
-                                        const double *per_impulse, double *table);
+void tvi_galerkin_extrapolation(const galerkin_coefficients *coefficients, int step_count, int degree,
+                                const double *per_impulse, double *table);
 
 #endif

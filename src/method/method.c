@@ -225,8 +225,8 @@ static const tvi_stepper *const galerkin_of_isa[JET_ISA_COUNT] = {&tvi_stepper_g
 static const tvi_stepper *const galerkin_of_isa[JET_ISA_COUNT] = {&tvi_stepper_galerkin};
 #endif
 
-/* Returns the stepper for the instruction set of the system's tapes. Five to eight nodes fill a vector of AVX-512; other
- * numbers fill those of AVX2. */
+/* Returns the stepper for the instruction set of the system's tapes. Five to eight nodes fill a vector of AVX-512;
+ * other numbers fill those of AVX2. */
 static const tvi_stepper *stepper_of_isa(const tvi_stepper *stepper, const tvi_options *options,
                                          const tvi_system *system)
 {

@@ -1,5 +1,5 @@
-/* test_sums.c - Tests sums over the nodes of a Galerkin step (galerkin/ends.h), of every instruction set and number of lanes:
- * those that it ends with, its increments, and those that passes move unknowns by. */
+/* test_sums.c - Tests sums over the nodes of a Galerkin step (galerkin/ends.h), of every instruction set and number of
+ * lanes: those that it ends with, its increments, and those that passes move unknowns by. */
 #include "loops.h"
 #include "problems/galerkin_tables.h"
 #include "problems/random.h"
@@ -121,7 +121,7 @@ START_TEST(increments_have_two_parts)
 }
 END_TEST
 
-/* ---- Tables ------------------------------------------------------------------------------------------------------- */
+/* ---- Tables ------------------------------------------------------------------------------------------------------ */
 
 /* The conditions of symplecticity and of symmetry hold for the numbers themselves, with any number of nodes. */
 START_TEST(coefficients_are_symplectic)
