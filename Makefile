@@ -203,12 +203,14 @@ $(BUILD)/%.$(1).o: %.c
 endef
 $(foreach isa,$(ISAS),$(eval $(call isa_objects,$(isa))))
 OBJCOPY ?= objcopy
-# all sources of one set as one object, whose names have the suffix of the set
+# gives the names that an object defines the suffix of a set: $(call add_set_to_names,object,set,result)
+add_set_to_names = nm --defined-only -g $(1) | awk '{ print $$3, $$3 "_$(2)" }' >$(1).names && $(OBJCOPY) --redefine-syms=$(1).names $(1) $(3)
+# all sources of one set as one object
 define set_object
+SET_PIECES += $(3:%.c=$(BUILD)/%.$(2).o)
+SETS       += $(BUILD)/$(1)_$(2).o
 $(BUILD)/$(1)_$(2).o: $(3:%.c=$(BUILD)/%.$(2).o)
-	$$(call SAY,LD $$@)$(LD) -r -o $$@.joined $$(filter %.o,$$^) && \
-	nm --defined-only -g $$@.joined | awk '{ print $$$$3, $$$$3 "_$(2)" }' >$$@.names && \
-	$(OBJCOPY) --redefine-syms=$$@.names $$@.joined $$@
+	$$(call SAY,LD $$@)$(LD) -r -o $$@.joined $$(filter %.o,$$^) && $$(call add_set_to_names,$$@.joined,$(2),$$@)
 endef
 $(foreach isa,$(ISAS),$(eval $(call set_object,ad/sweeps,$(isa),$(ISA_SOURCES)))$(eval $(call set_object,src/steppers,$(isa),$(SET_SOURCES))))
 
@@ -243,7 +245,7 @@ include tests/tests.mk
 
 include bench/stability/stability.mk
 
-$(OBJECTS) $(TEST_OBJECTS) $(call objects_of,$(BENCH_SOURCES)): $(BUILD)/built_with
+$(OBJECTS) $(SET_PIECES) $(TEST_OBJECTS) $(call objects_of,$(BENCH_SOURCES)): $(BUILD)/built_with
 
 clean:
 	rm -rf build

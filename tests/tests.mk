@@ -73,7 +73,7 @@ $(foreach folder,$(FOLDERS),$(eval $(call program,$(folder))))
 # the loops of every instruction set (tests/library/loops.h)
 $(ISAS:%=$(BUILD)/tests/library/loops_%.o): $(BUILD)/tests/library/loops_%.o: tests/library/loops.c
 	@mkdir -p $(@D)
-	$(call SAY,CC $< ($*))$(CC) $(TEST_FLAGS) $(BASE) $(FLAGS_$*) -c -o $@ $< && $(OBJCOPY) --redefine-sym loops=loops_$* $@
+	$(call SAY,CC $< ($*))$(CC) $(TEST_FLAGS) $(BASE) $(FLAGS_$*) -c -o $@.base $< && $(call add_set_to_names,$@.base,$*,$@)
 $(BUILD)/check/library: $(ISAS:%=$(BUILD)/tests/library/loops_%.o)
 $(BUILD)/check/library: WRAP = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
 # their integrators run generated code: tests/problems/generated.c
@@ -256,7 +256,7 @@ do-optimized: $(OBJECTS) $(TEST_OBJECTS) $(call objects_of,$(BENCH_SOURCES))
 check-warnings-clang:
 	$(REPORT) "no warnings from clang" $(LOG) \
 	    $(MAKE) -s --no-print-directory do-warnings-clang BUILD=$(BUILD)/read CC=clang CFLAGS='-Werror -fsyntax-only'
-do-warnings-clang: $(filter-out $(NO_CLANG),$(OBJECTS) $(TEST_OBJECTS) $(call objects_of,$(BENCH_SOURCES)))
+do-warnings-clang: $(filter-out $(NO_CLANG) $(SETS),$(OBJECTS) $(SET_PIECES) $(TEST_OBJECTS) $(call objects_of,$(BENCH_SOURCES)))
 
 # The programs of the bench are linked, some of them with functions of the library replaced by name. None is run.
 BENCH_PROGRAMS = $(SWEEP_PROGRAMS) $(SCENE_PROGRAMS) $(EXPERIMENT_PROGRAMS) $(PERFORMANCE_PROGRAMS) $(ADAPTIVE)/adaptive \

@@ -180,29 +180,37 @@ typedef struct {
     const double *theta, *start, *move, *scale;
 } galerkin_points;
 
-#define EVALUATE(V, S)                                                                                                 \
-    {                                                                                                                  \
-        const V theta = *(const V *)(at->theta + here);                                                                \
-        V row[GALERKIN_MAX_LANES];                                                                                     \
-        for (int j = 0; j < lanes; j++) row[j] = *(const V *)(table + j * points + here);                              \
-        for (int u = 0; u < at->count; u++) {                                                                          \
-            V sums[PARTIAL_SUMS] = {0};                                                                                \
-            for (int j = 0; j < lanes; j++) sums[j % PARTIAL_SUMS] += row[j] * L[u * lanes + j];                       \
-            *(V *)(out + u * points + here) =                                                                          \
-                at->start[u] + (theta * at->move[u] + at->scale[u] * ((sums[0] + sums[1]) + (sums[2] + sums[3])));     \
-        }                                                                                                              \
-    }
-JET_INLINE void evaluate_points(const galerkin_points *at, const double *table, const double *L, double *restrict out,
-                                const int lanes, const int points)
+JET_INLINE void evaluate_vectors(const galerkin_points *at, const double *table, const double *L, double *restrict out,
+                                 const int lanes, const int points)
 {
-    JET_BLOCKS(points, EVALUATE, );
+    for (int v = 0; v < points / NODE_VEC; v++) {
+        const node_vec theta = node_load(at->theta, v);
+        node_vec row[GALERKIN_MAX_LANES];
+        for (int j = 0; j < lanes; j++) row[j] = node_load(table + j * points, v);
+        for (int u = 0; u < at->count; u++) {
+            node_vec sum[PARTIAL_SUMS] = {0};
+            for (int j = 0; j < lanes; j++) sum[j % PARTIAL_SUMS] += row[j] * L[u * lanes + j];
+            node_store(out + u * points, v,
+                       at->start[u] + (theta * at->move[u] + at->scale[u] * ((sum[0] + sum[1]) + (sum[2] + sum[3]))));
+        }
+    }
 }
-#undef EVALUATE
+
+JET_INLINE void evaluate_one(const galerkin_points *at, const double *table, const double *L, double *restrict out,
+                             const int lanes)
+{
+    for (int u = 0; u < at->count; u++) {
+        double sum[PARTIAL_SUMS] = {0};
+        for (int j = 0; j < lanes; j++) sum[j % PARTIAL_SUMS] += table[j] * L[u * lanes + j];
+        out[u] = at->start[u] + (at->theta[0] * at->move[u] + at->scale[u] * ((sum[0] + sum[1]) + (sum[2] + sum[3])));
+    }
+}
 
 NODE_LOOP void galerkin_evaluate(const galerkin_points *at, const double *table, const double *L, double *out)
 {
-    if (at->points == TVI_SAMPLES) BY_LANES(at->lane_count, evaluate_points(at, table, L, out, lanes, TVI_SAMPLES));
-    else BY_LANES(at->lane_count, evaluate_points(at, table, L, out, lanes, at->points));
+    BY_LANES(at->lane_count, if (at->points == 1) evaluate_one(at, table, L, out, lanes);
+             else if (at->points == TVI_SAMPLES) evaluate_vectors(at, table, L, out, lanes, TVI_SAMPLES);
+             else evaluate_vectors(at, table, L, out, lanes, lanes));
 }
 
 #endif

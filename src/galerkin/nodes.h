@@ -61,31 +61,22 @@ JET_INLINE node_vec node_larger(node_vec a, node_vec b)
 
 /* In the library a loop is a function of its own, which can use all registers. In generated code, where all sizes are
  * constants, it is inlined. BY_LANES executes the call with the constant `lanes`. */
-#ifdef GALERKIN_LANES
-#define NODE_LOOP JET_INLINE
-#define BY_LANES(number, call)                                                                                         \
-    do {                                                                                                               \
-        enum { lanes = GALERKIN_LANES };                                                                               \
-        (void)(number);                                                                                                \
+#define WITH_LANES(count, call)                                                                                        \
+    {                                                                                                                  \
+        enum { lanes = count };                                                                                        \
         call;                                                                                                          \
-    } while (0)
-#define NODE_COUNT_OF(nodes) ((void)(nodes), GALERKIN_NODE_COUNT)
+    }
+#ifdef GALERKIN_LANES
+#define NODE_LOOP              JET_INLINE
+#define NODE_COUNT_OF(nodes)   ((void)(nodes), GALERKIN_NODE_COUNT)
+#define BY_LANES(number, call) WITH_LANES(GALERKIN_LANES, call)
 #else
-#define NODE_LOOP JET_APART
-#define BY_LANES(number, call)                                                                                         \
-    do {                                                                                                               \
-        if (NODE_VEC == 8 || (number) == 8) {                                                                          \
-            enum { lanes = 8 };                                                                                        \
-            call;                                                                                                      \
-        } else if ((number) == 4) {                                                                                    \
-            enum { lanes = 4 };                                                                                        \
-            call;                                                                                                      \
-        } else {                                                                                                       \
-            enum { lanes = 12 };                                                                                       \
-            call;                                                                                                      \
-        }                                                                                                              \
-    } while (0)
+#define NODE_LOOP            JET_APART
 #define NODE_COUNT_OF(nodes) ((nodes)->node_count)
+#define BY_LANES(number, call)                                                                                         \
+    if (NODE_VEC == 8 || (number) == 8) WITH_LANES(8, call)                                                            \
+    else if ((number) == 4) WITH_LANES(4, call)                                                                        \
+    else WITH_LANES(12, call)
 #endif
 
 /* ---- The unknowns at the nodes ----------------------------------------------------------------------------------- */

@@ -67,7 +67,7 @@ static void check_sums(const galerkin_coefficients *a, const double impulse[], d
 
 START_TEST(sums_are_compensated)
 {
-    const jet_isa isa = (jet_isa)(_i / LANE_COUNTS);
+    const int isa = _i / LANE_COUNTS;
     const int size = _i % LANE_COUNTS, lanes = lane_counts[size];
     galerkin_tables tables;
     uint64_t bits = 1;
@@ -96,7 +96,7 @@ END_TEST
 /* Drift and rise of like size, and what each of them lacks. */
 START_TEST(increments_have_two_parts)
 {
-    const jet_isa isa = (jet_isa)(_i / LANE_COUNTS);
+    const int isa = _i / LANE_COUNTS;
     double of[6][UNKNOWNS], by[4][UNKNOWNS];
     double *drift = of[0], *drift_low = of[1], *twice = of[2], *twice_low = of[3], *scale = of[4], *once = of[5];
     const galerkin_nodes nodes = {
@@ -212,7 +212,7 @@ static sample errors_of(const galerkin_coefficients *a, const galerkin_loops *wi
 START_TEST(places_are_rounded_to_no_side)
 {
     static const int unknowns[] = {2, UNKNOWNS};
-    const jet_isa isa = (jet_isa)(_i / LANE_COUNTS);
+    const int isa = _i / LANE_COUNTS;
     const int size = _i % LANE_COUNTS, lanes = lane_counts[size];
     galerkin_tables tables;
     if (!loops_of(isa, _i % LANE_COUNTS)) return;
