@@ -1,8 +1,8 @@
 /* both_ends.c - makes steps of type I with a Taylor curve from each end of the step: the symmetric Taylor variational
- * integrator (docs/method.md section 4). The integrator calls it through tvi_type1_both_ends. The curve a(s) starts at
- * (q0, v0), 0 <= s <= 1; the curve b(s - 1) starts at (q1, v1). Both have degree r. Each ends where the other starts,
- * a(1) = q1 and b(-1) = q0; l and m are the Lagrange multipliers of these two conditions. With w = 1 - s and a dot for
- * d/ds
+ * integrator (docs/method.md section 4). The integrator calls it through tvi_stepper_both_ends. The curve a(s) starts
+ * at (q0, v0), 0 <= s <= 1; the curve b(s - 1) starts at (q1, v1). Both have degree r. Each ends where the other
+ * starts, a(1) = q1 and b(-1) = q0; l and m are the Lagrange multipliers of these two conditions. With w = 1 - s and a
+ * dot for d/ds
  *     y = w a + (1-w) b,     v = w a. + (1-w) b. (truncated)   or   v = y. = w a. + (1-w) b. - (a - b) (on-curve).
  * Let p_a and p_b be the momenta of the curves, pi = w p_a + (1-w) p_b, w_i the quadrature weight of node i, tau = h,
  * and dy_i, dv_i, da, db the Jacobians of y_i, v_i, a and b by (q0, v0, q1, v1). The gradient of the action in defect
@@ -13,7 +13,7 @@
  * If the quadrature does not sum the derivative of dy^T pi exactly, the same formulas are used with pi = 0. */
 #include "generating/both_ends.h"
 #include "algebra/quadrature.h"
-#include "method/list.h"
+#include "method/stepper.h"
 
 #include <math.h>
 #include <string.h>
@@ -375,24 +375,8 @@ static tvi_tapes_of_steps find_used_tapes(const tvi_system *system, const tvi_op
     return tvi_curve_find_used_tapes(system, options, options->quadrature_points, TVI_JACOBIAN_MATRICES);
 }
 
-static const tvi_stepper stepper = {.allocate = allocate_stepper,
-                                    .set_tables = prepare_stepper,
-                                    .step = step_both_ends,
-                                    .interpolate = compute_dense_output,
-                                    .list_tapes = find_used_tapes};
-
-const tvi_descriptor tvi_type1_both_ends = {
-    .method = TVI_TYPE1,
-    .expansion = TVI_AT_BOTH_ENDS,
-    .title = "type I, both ends",
-    .nodes = {[TVI_NODES_ON_CURVE] = {"both-ends", 2, 0}, [TVI_NODES_TRUNCATED] = {"symmetric-tvi", 1, 0}},
-    .least_degree = 1,
-    .most_degree = TVI_MAX_DEGREE,
-    .supports = &tvi_supports_type1,
-    .adjoint = &tvi_type1_both_ends,
-    .quadrature = TVI_CHOSEN_QUADRATURE,
-    .needs_conjugate_momenta = true,
-    .stepper = &stepper,
-    .predictor = &tvi_stepper_curve,
-    .curve = {.step_span = {0, 1, 1}},
-};
+const tvi_stepper tvi_stepper_both_ends = {.allocate = allocate_stepper,
+                                           .set_tables = prepare_stepper,
+                                           .step = step_both_ends,
+                                           .interpolate = compute_dense_output,
+                                           .list_tapes = find_used_tapes};

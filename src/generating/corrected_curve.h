@@ -13,39 +13,21 @@
 #define TVI_SRC_GENERATING_CORRECTED_CURVE_H
 
 #include "generating/seeds.h"
-#include "method/closing.h"
+#include "method/descriptor.h"
 
-/* Names one half of the columns of a Jacobian matrix [n][2n] by the centre state z: the first n columns, which belong
- * to the coordinates, or the last n, which belong to the velocities or the momenta. */
-typedef enum { TVI_FIRST_COLUMNS, TVI_LAST_COLUMNS } tvi_column_half;
-
-/* The linear equations A^T x = D_z for the corrections of the ends, with the gradient D_z of the action by the centre
- * state z. A is made of Jacobians by z of weighted sums of the curve's coefficients, such as the curve's end: it is an
- * n x n half of one of them, or it consists of two, n x 2n each, one above the other. */
-typedef struct {
-    /* The weighted sums whose Jacobians form A; lower_jacobian_combination is NULL if A is half of one Jacobian. */
-    const tvi_coefficient_combination *upper_jacobian_combination, *lower_jacobian_combination;
-    tvi_column_half jacobian_half_used_as_equation_matrix; /* if A is an n x n block of the Jacobian: its columns */
-} tvi_end_correction_equations;
-
+struct tvi_corrected_curve;
 /* A solver of the equations A^T x = D_z, with factored Jacobian matrices (matrices.c), or without matrices, by products
- * of Jacobians with vectors (products.c). The functions tvi_correct_ends_fn of the generating functions are the same
- * for both solvers. */
+ * of Jacobians with vectors (products.c). */
 typedef struct tvi_end_correction_solver {
     /* Allocates the memory of the solver, corrected->solver_data. */
     void (*allocate)(struct tvi_corrected_curve *corrected, tvi_arena *arena);
     /* Begins a step: it discards the factors and guesses of the step before. */
     void (*begin)(struct tvi_corrected_curve *corrected);
-    /* Computes the corrections that the equations of the generating function add to the ends of the Taylor curve.
-     * corrected->curve was expanded from the unknowns z; scale [2n] has the natural sizes of z. */
-    tvi_status (*compute_corrections)(struct tvi_corrected_curve *corrected, const double z[], const double scale[],
-                                      tvi_stats *stats);
-    /* Solves the equations A^T x = D_z, with D_z in gradient_then_solution [2n]. If A has 2n rows, the solution x
-     * replaces D_z. If A is an n x n block of a Jacobian J [n][2n], x replaces the half of D_z that belongs to the
-     * columns of this block (jacobian_half_used_as_equation_matrix). The other half of D_z is then replaced by its
-     * residual D_z - K^T x, where K is the other n x n block of J. Returns TVI_ESINGULAR, TVI_ENONFINITE or TVI_ENOCONV
-     * if it fails. */
-    tvi_status (*solve)(struct tvi_corrected_curve *corrected, const tvi_end_correction_equations *equations);
+    /* Solves the equations of the generating function (method/closing.h); gradient_then_solution becomes (x, y).
+     * corrected->curve was expanded from the unknowns z; scale [2n] has the natural sizes of z. Returns TVI_ESINGULAR,
+     * TVI_ENONFINITE or TVI_ENOCONV if it fails. */
+    tvi_status (*solve)(struct tvi_corrected_curve *corrected, const double z[], const double scale[],
+                        tvi_stats *stats);
     /* The corrector uses one of the next two functions; the other is NULL. `jacobian` writes J = d(q-, u-)/dz [2n][2n],
      * or returns false if the corrector may reuse the Jacobian before it; `correct` multiplies the correction by an
      * approximate J^-1. */
@@ -59,24 +41,14 @@ typedef struct tvi_corrected_curve {
     int n;
     tvi_step_span span; /* the ends of the step in scaled time */
     tvi_curve curve;
-    /* The weights of the coefficients Q_k whose sums are q- (at the start), q+ (at the end), q+ - q-, and (end_s q- -
-     * start_s q+)/(end_s - start_s), with the ends of the span in scaled time. The last sum has no term in Q_1; it is
-     * the mean of q- and q+ if the curve is expanded at the midpoint. */
-    tvi_coefficient_combination q_at_start_weights, q_at_end_weights, q_increment_weights, q_mean_weights;
-    /* The weights of the coefficients U_k for the same four sums of the scaled momentum u = kappa p. */
-    tvi_coefficient_combination scaled_p_at_start_weights, scaled_p_at_end_weights, scaled_p_increment_weights,
-        scaled_p_mean_weights;
+    tvi_coefficient_combination ends[TVI_END_SUMS]; /* the sums at the ends of the step; [TVI_NO_SUM] is not used */
     /* The degree to which the momentum is summed. */
     int p_degree;
     /* [n] The sum of |P_k| over all orders k, with P_k the coefficient of s^k in the momentum.
      * momentum_term_abs_sum_weights are the weights of |U_k| in |kappa| times this sum. */
     double *momentum_term_abs_sum;
     tvi_coefficient_combination momentum_term_abs_sum_weights;
-    /* Computes the corrections by the equations of the generating function. */
-    tvi_correct_ends_fn *solve_end_corrections;
-    /* Solving the linear equations of the generating function gives two vectors, x and y, of n numbers each. These are
-     * the factors by which x and y are multiplied in the sums that are the corrections (closing.h). */
-    const tvi_curve_end_correction_factors *end_correction_factors;
+    const tvi_curve_definition *definition; /* the generating function */
     /* [highest_order + 1][n] The derivatives of the discrete action, in defect form, by the coefficients Q_k of the
      * position and U_k of the scaled momentum: D_z = sum_k (dQ_k/dz)^T (those by Q_k) + (dU_k/dz)^T (those by U_k). */
     double *action_gradient_by_coefficients_Q, *action_gradient_by_coefficients_U;
@@ -87,31 +59,11 @@ typedef struct tvi_corrected_curve {
     double *start_correction_q, *start_correction_p, *increment_correction_q, *increment_correction_p;
 } tvi_corrected_curve;
 
-/* Returns the combination whose Jacobian is J2 in the equations of tvi_solve_end_corrections_by_mean_q_jacobian: the
- * mean of the scaled momenta u- and u+ if end_correction_factors->uses_mean_momentum is true, otherwise the difference
- * q+ - q-. */
-static inline const tvi_coefficient_combination *ends_get_weights_of_lower_jacobian_rows(const tvi_corrected_curve *c)
-{
-    return c->end_correction_factors->uses_mean_momentum ? &c->scaled_p_mean_weights : &c->q_increment_weights;
-}
-
-/* Solves [J1; J2]^T (x, y) = D_z, with J1 the Jacobian of the mean of q- and q+ (q_mean_weights) and J2 that of
- * ends_get_weights_of_lower_jacobian_rows, and computes the corrections from (x, y) by end_correction_factors. */
-tvi_correct_ends_fn tvi_solve_end_corrections_by_mean_q_jacobian;
-
-/* Solves J^T x = D_z in half of the rows: J is the n x n block of the combination's Jacobian with the columns
- * column_half, and D_z the same half of the gradient. In gradient_then_solution x replaces this half. The other half
- * becomes the residual of the other rows, D_z - K^T x with the other block K of the Jacobian. Computes the corrections
- * from both halves (x, y) by end_correction_factors. */
-TVI_NODISCARD tvi_status tvi_solve_end_corrections_by_jacobian_block(tvi_corrected_curve *corrected,
-                                                                     const tvi_coefficient_combination *combination,
-                                                                     tvi_column_half column_half);
-
 /* Computes the corrections of the ends from the solution (x, y) in gradient_then_solution, multiplied by
- * end_correction_factors. */
+ * the factors of the method. */
 static inline void ends_compute_corrections_from_solution(const tvi_corrected_curve *corrected)
 {
-    const tvi_curve_end_correction_factors *factors = corrected->end_correction_factors;
+    const tvi_curve_end_correction_factors *factors = &corrected->definition->end_correction_factors;
     double *restrict start_correction_q = corrected->start_correction_q, *restrict increment_correction_q =
                                                                              corrected->increment_correction_q;
     double *restrict start_correction_p = corrected->start_correction_p, *restrict increment_correction_p =

@@ -56,7 +56,7 @@ static void step_compute_residual(const work *w, const tvi_step_origin *origin, 
     const int n = curve_dimension(&corrected->curve);
     const double *Q0 = tvi_curve_position_coefficients(&corrected->curve, 0);
     tvi_curve_sum_combination(&corrected->curve, &w->q_start_minus_centre_weights, r);
-    tvi_curve_sum_combination(&corrected->curve, &corrected->scaled_p_at_start_weights, r + n);
+    tvi_curve_sum_combination(&corrected->curve, &corrected->ends[TVI_U_START], r + n);
     for (int i = 0; i < n; i++) {
         const double kappa = corrected->curve.momentum_scale_factor[i];
         r[i] += (Q0[i] - origin->q[i]) + (corrected->start_correction_q[i] - origin->q_low[i]);
@@ -106,8 +106,7 @@ static void step_store_end_velocity(const work *w)
 static double step_compute_increments_and_tail(const work *w, double dq[], double dp[])
 {
     const tvi_curve *curve = &w->corrected_curve.curve;
-    step_compute_increments(w, &w->corrected_curve.q_increment_weights, &w->corrected_curve.scaled_p_increment_weights,
-                            1, dq, dp);
+    step_compute_increments(w, &w->corrected_curve.ends[TVI_Q_STEP], &w->corrected_curve.ends[TVI_U_STEP], 1, dq, dp);
     step_store_end_velocity(w);
     tvi_curve_compute_displacement_sizes(curve);
     return tvi_curve_compute_tail(curve);
@@ -162,9 +161,11 @@ static tvi_status compute_residual(void *self, const double z[], double r[])
     status = tvi_compute_action_seeds(&w->action, &c->curve, c->action_gradient_by_coefficients_Q,
                                       c->action_gradient_by_coefficients_U);
     if (status != TVI_OK) return status;
-    status = c->solver->compute_corrections(c, z, w->newton.scale, attempt->stats);
-    if (status == TVI_OK) step_compute_residual(w, attempt->origin, r);
-    return status;
+    status = c->solver->solve(c, z, w->newton.scale, attempt->stats);
+    if (status != TVI_OK) return status;
+    ends_compute_corrections_from_solution(c);
+    step_compute_residual(w, attempt->origin, r);
+    return TVI_OK;
 }
 
 /* Computes d(q-, kappa p-)/dz, the Jacobian of the residual without the derivatives of the small corrections. */
@@ -345,7 +346,7 @@ static double bound_energy_change(const void *workspace)
 static tvi_tapes_of_steps find_used_tapes(const tvi_system *system, const tvi_options *options)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const bool has_symplectic_end_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
+    const bool has_symplectic_end_corrections = definition->equations.upper && options->passes != TVI_PREDICT_ONLY;
     const tvi_action shape = tvi_create_unallocated_action(system, options);
     return tvi_curve_find_used_tapes(system, options, shape.node_count,
                                      has_symplectic_end_corrections ? tvi_curve_choose_jacobian_method(system)

@@ -20,19 +20,13 @@ static void allocate_corrected_curve(tvi_corrected_curve *c, tvi_arena *arena, c
     c->n = system->n;
     c->span = definition->step_span;
     c->p_degree = sizes.p_degree;
-    c->solve_end_corrections = definition->correct_ends;
-    c->end_correction_factors = &definition->end_correction_factors;
+    c->definition = definition;
     const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
     c->solver = has_products ? tvi_choose_curve_isa_functions(system->field_series)->matrix_free_solver
                              : &tvi_solver_by_matrices;
     tvi_curve_allocate(&c->curve, arena, system, sizes.order_count - 1, jacobians);
-    tvi_coefficient_combination *const combinations[] = {&c->q_at_start_weights,           &c->q_at_end_weights,
-                                                         &c->q_increment_weights,          &c->q_mean_weights,
-                                                         &c->scaled_p_at_start_weights,    &c->scaled_p_at_end_weights,
-                                                         &c->scaled_p_increment_weights,   &c->scaled_p_mean_weights,
-                                                         &c->momentum_term_abs_sum_weights};
-    for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
-        *combinations[i] = tvi_combination_allocate(&c->curve, arena);
+    for (int i = 0; i < TVI_END_SUMS; i++) c->ends[i] = tvi_combination_allocate(&c->curve, arena);
+    c->momentum_term_abs_sum_weights = tvi_combination_allocate(&c->curve, arena);
     double **const corrections[] = {&c->start_correction_q, &c->start_correction_p, &c->increment_correction_q,
                                     &c->increment_correction_p};
     for (size_t i = 0; i < sizeof corrections / sizeof *corrections; i++)
@@ -62,7 +56,7 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
 {
     work *workspace = tvi_arena_allocate(arena, sizeof *workspace);
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const bool has_symplectic_end_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
+    const bool has_symplectic_end_corrections = definition->equations.upper && options->passes != TVI_PREDICT_ONLY;
     const size_t n = (size_t)system->n;
     work w = {.has_symplectic_end_corrections = has_symplectic_end_corrections,
               .confirms_convergence_by_extra_pass = definition->needs_extra_newton_pass,
@@ -79,7 +73,7 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
         tvi_legendre_allocate(&w.legendre_transform, arena, system);
         w.velocity_guess = tvi_arena_allocate_copied(arena, n * sizeof *w.velocity_guess);
     }
-    if (!definition->correct_ends) allocate_plain_taylor_step(&w, arena);
+    if (!definition->equations.upper) allocate_plain_taylor_step(&w, arena);
     w.scratch = tvi_arena_allocate_doubles(arena, n);
     w.predicted_state = tvi_arena_allocate_doubles(arena, 2 * n);
     if (has_symplectic_end_corrections) {
@@ -112,10 +106,6 @@ void tvi_curve_workspace_compute_constant_tables(void *workspace)
 {
     work *w = workspace;
     tvi_corrected_curve *c = &w->corrected_curve;
-    tvi_coefficient_combination *const ends[2][4] = {
-        {&c->q_at_start_weights, &c->q_at_end_weights, &c->q_increment_weights, &c->q_mean_weights},
-        {&c->scaled_p_at_start_weights, &c->scaled_p_at_end_weights, &c->scaled_p_increment_weights,
-         &c->scaled_p_mean_weights}};
     const double from = c->span.start_s, to = c->span.end_s;
     const double factor[4][2] = {{0, 1}, {1, 0}, {1, -1}, {-from / (to - from), to / (to - from)}};
     tvi_curve_fill_constant_tables(&c->curve);
@@ -123,9 +113,9 @@ void tvi_curve_workspace_compute_constant_tables(void *workspace)
     if (w->refinement.high_order_weight) tvi_prepare_increment_refinement(&w->refinement, &c->curve);
     for (int of_momentum = 0; of_momentum < 2; of_momentum++)
         for (int i = 0; i < 4; i++)
-            tvi_combination_set_power_weights(ends[of_momentum][i], &c->curve, of_momentum,
-                                              of_momentum ? c->p_degree : w->q_degree, factor[i][0], to, factor[i][1],
-                                              from);
+            tvi_combination_set_power_weights(&c->ends[(of_momentum ? TVI_U_START : TVI_Q_START) + i], &c->curve,
+                                              of_momentum, of_momentum ? c->p_degree : w->q_degree, factor[i][0], to,
+                                              factor[i][1], from);
     tvi_combination_set_power_weights(&c->momentum_term_abs_sum_weights, &c->curve, true, c->p_degree, 1, 1, 0, 0);
     tvi_combination_set_power_weights(&w->q_start_minus_centre_weights, &c->curve, false, w->q_degree, 1, from, -1, 0);
     set_predictor_combinations(w);

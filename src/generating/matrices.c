@@ -56,7 +56,7 @@ static bool renew_corrector_jacobian(const tvi_corrected_curve *corrected, doubl
     tvi_jacobian_factors *matrices = get_factors(corrected);
     if (matrices->has_corrector_jacobian && !(matrices->relative_distance_since_jacobian > MATRICES_MAX_MOVEMENT))
         return false;
-    stack_combination_jacobians(corrected, &corrected->q_at_start_weights, &corrected->scaled_p_at_start_weights,
+    stack_combination_jacobians(corrected, &corrected->ends[TVI_Q_START], &corrected->ends[TVI_U_START],
                                 corrector_jacobian);
     matrices->relative_distance_since_jacobian = 0;
     matrices->has_corrector_jacobian = true;
@@ -135,12 +135,11 @@ static void allocate_jacobian_factors(tvi_corrected_curve *corrected, tvi_arena 
 
 /* ---- The equations ----------------------------------------------------------------------------------------------- */
 
-static tvi_status factor_jacobian_block(tvi_corrected_curve *corrected, const tvi_end_correction_equations *equations)
+static tvi_status factor_jacobian_block(tvi_corrected_curve *corrected)
 {
-    const size_t n = (size_t)corrected->n,
-                 first = equations->jacobian_half_used_as_equation_matrix == TVI_FIRST_COLUMNS ? 0 : n;
+    const size_t n = (size_t)corrected->n, first = corrected->definition->equations.has_last_columns ? n : 0;
     tvi_jacobian_factors *factors = get_factors(corrected);
-    tvi_curve_sum_combination_jacobian(&corrected->curve, equations->upper_jacobian_combination,
+    tvi_curve_sum_combination_jacobian(&corrected->curve, &corrected->ends[corrected->definition->equations.upper],
                                        factors->scratch_end_state_jacobian);
     for (size_t i = 0; i < n; i++)
         memcpy(factors->jacobian_block_factor.lu + i * n, factors->scratch_end_state_jacobian + i * 2 * n + first,
@@ -148,31 +147,30 @@ static tvi_status factor_jacobian_block(tvi_corrected_curve *corrected, const tv
     return tvi_factor_compute(&factors->jacobian_block_factor);
 }
 
-static tvi_status factor_full_matrix(tvi_corrected_curve *corrected, const tvi_end_correction_equations *equations)
+static tvi_status factor_full_matrix(tvi_corrected_curve *corrected)
 {
     tvi_jacobian_factors *factors = get_factors(corrected);
-    stack_combination_jacobians(corrected, equations->upper_jacobian_combination, equations->lower_jacobian_combination,
+    stack_combination_jacobians(corrected, &corrected->ends[corrected->definition->equations.upper],
+                                &corrected->ends[corrected->definition->equations.lower],
                                 factors->full_jacobian_factor.lu);
     return tvi_factor_compute(&factors->full_jacobian_factor);
 }
 
 /* The equations J^T x = D use one n x n half J of a Jacobian matrix (J K) and one half of the gradient, which x has
  * replaced. Subtracts K^T x from the other half of the gradient, which becomes the residual of the equations with K. */
-static void compute_residual_in_unsolved_gradient_half(tvi_corrected_curve *corrected,
-                                                       const tvi_end_correction_equations *equations)
+static void compute_residual_in_unsolved_gradient_half(tvi_corrected_curve *corrected)
 {
-    const size_t n = (size_t)corrected->n,
-                 solved = equations->jacobian_half_used_as_equation_matrix == TVI_FIRST_COLUMNS ? 0 : n,
+    const size_t n = (size_t)corrected->n, solved = corrected->definition->equations.has_last_columns ? n : 0,
                  other = n - solved;
     double *G = get_factors(corrected)->scratch_end_state_jacobian;
-    tvi_curve_sum_combination_jacobian(&corrected->curve, equations->upper_jacobian_combination, G);
+    tvi_curve_sum_combination_jacobian(&corrected->curve, &corrected->ends[corrected->definition->equations.upper], G);
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++)
             corrected->gradient_then_solution[other + j] -=
                 corrected->gradient_then_solution[solved + i] * G[i * 2 * n + other + j];
 }
 
-static tvi_status solve_by_factors(tvi_corrected_curve *corrected, const tvi_end_correction_equations *equations)
+static tvi_status solve_by_factors(tvi_corrected_curve *corrected)
 {
     tvi_jacobian_factors *factors = get_factors(corrected);
     tvi_curve_multiply_transposed_jacobians_by_seeds(&corrected->curve, corrected->action_gradient_by_coefficients_Q,
@@ -180,34 +178,32 @@ static tvi_status solve_by_factors(tvi_corrected_curve *corrected, const tvi_end
                                                      corrected->gradient_then_solution);
     if (factors->jacobian_computations_when_last_factored != factors->jacobian_computations_in_step) {
         factors->jacobian_computations_when_last_factored = factors->jacobian_computations_in_step;
-        const tvi_status status = equations->lower_jacobian_combination ? factor_full_matrix(corrected, equations)
-                                                                        : factor_jacobian_block(corrected, equations);
+        const tvi_status status =
+            corrected->definition->equations.lower ? factor_full_matrix(corrected) : factor_jacobian_block(corrected);
         if (status != TVI_OK) return status;
     }
-    if (equations->lower_jacobian_combination) {
+    if (corrected->definition->equations.lower) {
         tvi_factor_solve_transposed(&factors->full_jacobian_factor, corrected->gradient_then_solution);
     } else {
-        tvi_factor_solve_transposed(
-            &factors->jacobian_block_factor,
-            corrected->gradient_then_solution +
-                (equations->jacobian_half_used_as_equation_matrix == TVI_FIRST_COLUMNS ? 0 : corrected->n));
-        compute_residual_in_unsolved_gradient_half(corrected, equations);
+        tvi_factor_solve_transposed(&factors->jacobian_block_factor,
+                                    corrected->gradient_then_solution +
+                                        (corrected->definition->equations.has_last_columns ? corrected->n : 0));
+        compute_residual_in_unsolved_gradient_half(corrected);
     }
     return TVI_OK;
 }
 
 /* ---- The corrections --------------------------------------------------------------------------------------------- */
 
-static tvi_status compute_corrections(tvi_corrected_curve *corrected, const double z[], const double scale[],
-                                      tvi_stats *stats)
+static tvi_status solve(tvi_corrected_curve *corrected, const double z[], const double scale[], tvi_stats *stats)
 {
     if (are_jacobians_due(corrected, z, scale)) {
         tvi_curve_compute_jacobians(&corrected->curve);
         record_z_of_jacobians(corrected, z);
         stats->factorisations++;
     }
-    return corrected->solve_end_corrections(corrected);
+    return solve_by_factors(corrected);
 }
 
-const tvi_end_correction_solver tvi_solver_by_matrices = {
-    allocate_jacobian_factors, discard_factors, compute_corrections, solve_by_factors, renew_corrector_jacobian, NULL};
+const tvi_end_correction_solver tvi_solver_by_matrices = {allocate_jacobian_factors, discard_factors, solve,
+                                                          renew_corrector_jacobian, NULL};

@@ -24,9 +24,6 @@ static void allocate_conjugate_residuals(tvi_corrected_curve *corrected, tvi_are
     corrected->solver_data = allocated;
 }
 
-const tvi_end_correction_solver JET_FOR_ISA(tvi_solver_by_products) = {allocate_conjugate_residuals,
-                                                                       products_discard_guess,
-                                                                       products_compute_corrections,
-                                                                       products_solve_correction_equations,
-                                                                       NULL,
-                                                                       products_apply_inverse_flow_jacobian};
+const tvi_end_correction_solver JET_FOR_ISA(tvi_solver_by_products) = {
+    allocate_conjugate_residuals, products_discard_guess, products_solve_correction_equations, NULL,
+    products_apply_inverse_flow_jacobian};

@@ -146,44 +146,46 @@ static inline void products_discard_guess(tvi_corrected_curve *corrected)
     products_get_conjugate_residuals(corrected)->has_initial_guess = false;
 }
 
-static inline int products_get_first_equation_row(const tvi_corrected_curve *corrected,
-                                                  const tvi_end_correction_equations *equations)
+static inline int products_get_first_equation_row(const tvi_corrected_curve *corrected)
 {
-    const bool is_last =
-        !equations->lower_jacobian_combination && equations->jacobian_half_used_as_equation_matrix == TVI_LAST_COLUMNS;
+    const bool is_last = corrected->definition->equations.has_last_columns;
     return is_last ? curve_dimension(&corrected->curve) : 0;
+}
+
+/* Returns the second combination of the equations, or NULL. */
+static inline const tvi_coefficient_combination *products_get_lower_combination(const tvi_corrected_curve *corrected)
+{
+    const tvi_end_sum lower = corrected->definition->equations.lower;
+    return lower ? &corrected->ends[lower] : NULL;
 }
 
 /* Returns the operands of the product factor * A^T vector, with the matrix A of the equations. */
 static inline tvi_transposed_jacobian_operands products_collect_operands(const tvi_corrected_curve *corrected,
-                                                                         const tvi_end_correction_equations *equations,
                                                                          double factor, const double vector[])
 {
     return (tvi_transposed_jacobian_operands){NULL,
                                               factor,
-                                              equations->upper_jacobian_combination,
-                                              equations->lower_jacobian_combination,
-                                              vector + products_get_first_equation_row(corrected, equations),
+                                              &corrected->ends[corrected->definition->equations.upper],
+                                              products_get_lower_combination(corrected),
+                                              vector + products_get_first_equation_row(corrected),
                                               vector + curve_dimension(&corrected->curve)};
 }
 
 /* Computes out = A^T vector [2n], with the equations' matrix A, from the orders of the series up to last_order. */
 static inline void products_multiply_by_equation_matrix(tvi_corrected_curve *corrected, int last_order,
-                                                        const tvi_end_correction_equations *equations,
                                                         const double vector[], double out[])
 {
-    const tvi_transposed_jacobian_operands product = products_collect_operands(corrected, equations, 1, vector);
+    const tvi_transposed_jacobian_operands product = products_collect_operands(corrected, 1, vector);
     products_multiply_by_transposed_jacobians(&corrected->curve, last_order, &product, out);
 }
 
 /* Computes vector = P r with the diagonal preconditioner P, the reciprocals of the weights of Q_0 and Q_1 in A. */
-static inline void products_apply_diagonal_preconditioner(const tvi_corrected_curve *corrected,
-                                                          const tvi_end_correction_equations *equations,
-                                                          const double r[], double vector[])
+static inline void products_apply_diagonal_preconditioner(const tvi_corrected_curve *corrected, const double r[],
+                                                          double vector[])
 {
-    const int n = curve_dimension(&corrected->curve), place = products_get_first_equation_row(corrected, equations);
-    const tvi_coefficient_combination *lower = equations->lower_jacobian_combination;
-    const double first = 1 / equations->upper_jacobian_combination->order_weight[place > 0],
+    const int n = curve_dimension(&corrected->curve), place = products_get_first_equation_row(corrected);
+    const tvi_coefficient_combination *lower = products_get_lower_combination(corrected);
+    const double first = 1 / corrected->ends[corrected->definition->equations.upper].order_weight[place > 0],
                  second = lower ? 1 / lower->order_weight[1] : 0;
     for (int i = 0; i < n; i++) vector[place + i] = first * r[place + i];
     if (second == 0) return;
@@ -192,19 +194,17 @@ static inline void products_apply_diagonal_preconditioner(const tvi_corrected_cu
 
 /* Computes s = (2 P - P A^T P) r, an approximation of A^-T r. A is computed from the first PRODUCTS_NEAR_ORDER orders
  * only, which are exact for a force that is linear in q with a Jacobian that is linear in the time. */
-static inline void products_apply_preconditioner(tvi_corrected_curve *corrected,
-                                                 const tvi_end_correction_equations *equations, const double r[],
-                                                 double s[])
+static inline void products_apply_preconditioner(tvi_corrected_curve *corrected, const double r[], double s[])
 {
     double *twice = products_get_conjugate_residuals(corrected)->scratch,
            *v = products_get_conjugate_residuals(corrected)->product;
     memset(s, 0, (size_t)products_get_padded_row_count(corrected) * sizeof *s);
-    products_apply_diagonal_preconditioner(corrected, equations, r, s);
+    products_apply_diagonal_preconditioner(corrected, r, s);
     const int highest_order = curve_highest_order(&corrected->curve),
               last_order = highest_order < PRODUCTS_NEAR_ORDER ? highest_order : PRODUCTS_NEAR_ORDER;
-    products_multiply_by_equation_matrix(corrected, last_order, equations, s, v);
+    products_multiply_by_equation_matrix(corrected, last_order, s, v);
     for (int i = 0; i < 2 * curve_dimension(&corrected->curve); i++) twice[i] = 2 * r[i] - v[i];
-    products_apply_diagonal_preconditioner(corrected, equations, twice, s);
+    products_apply_diagonal_preconditioner(corrected, twice, s);
 }
 
 /* Returns max_i |vector_i| / size_i, with the sizes of the unknowns. */
@@ -237,13 +237,12 @@ static inline void products_add_multiple(const tvi_corrected_curve *corrected, d
 
 /* Makes the image of search direction direction_index orthogonal to the earlier images, and changes the direction with
  * it. Adds to the solution the multiple of the direction that makes the residual least. */
-static inline void products_minimise_residual(tvi_corrected_curve *corrected, int last_order,
-                                              const tvi_end_correction_equations *equations, int direction_index)
+static inline void products_minimise_residual(tvi_corrected_curve *corrected, int last_order, int direction_index)
 {
     tvi_conjugate_residuals *iteration = products_get_conjugate_residuals(corrected);
     double *s = iteration->search_direction + direction_index * products_get_padded_row_count(corrected),
            *v = iteration->direction_image + direction_index * products_get_padded_row_count(corrected);
-    products_multiply_by_equation_matrix(corrected, last_order, equations, s, v);
+    products_multiply_by_equation_matrix(corrected, last_order, s, v);
     for (int i = 0; i < direction_index; i++) {
         const double *v_before = iteration->direction_image + i * products_get_padded_row_count(corrected);
         const double part = tvi_ratio_or_zero(products_compute_scaled_dot_product(corrected, v, v_before),
@@ -271,8 +270,7 @@ static inline int products_choose_order_for_accuracy(const tvi_corrected_curve *
 }
 
 /* Solves A^T x = D_z by generalised conjugate residuals from the last pass's x. Fails if corrections do not shrink. */
-static inline tvi_status products_solve_by_conjugate_residuals(tvi_corrected_curve *corrected,
-                                                               const tvi_end_correction_equations *equations)
+static inline tvi_status products_solve_by_conjugate_residuals(tvi_corrected_curve *corrected)
 {
     tvi_conjugate_residuals *iteration = products_get_conjugate_residuals(corrected);
     double goal = CURVE_NEGLIGIBLE_ERROR;
@@ -280,14 +278,13 @@ static inline tvi_status products_solve_by_conjugate_residuals(tvi_corrected_cur
     tvi_convergence_begin(&passes, 0);
     if (!iteration->has_initial_guess)
         memset(iteration->solution, 0, (size_t)products_get_padded_row_count(corrected) * sizeof *iteration->solution);
-    tvi_transposed_jacobian_operands residual =
-        products_collect_operands(corrected, equations, -1, iteration->solution);
+    tvi_transposed_jacobian_operands residual = products_collect_operands(corrected, -1, iteration->solution);
     residual.seed_Q = corrected->action_gradient_by_coefficients_Q;
     products_multiply_by_transposed_jacobians(&corrected->curve, curve_highest_order(&corrected->curve), &residual,
                                               iteration->residual);
     for (int direction_index = 0; direction_index < PRODUCTS_MAX_ITERATIONS; direction_index++) {
         double *s = iteration->search_direction + direction_index * products_get_padded_row_count(corrected);
-        products_apply_preconditioner(corrected, equations, iteration->residual, s);
+        products_apply_preconditioner(corrected, iteration->residual, s);
         const double size = products_compute_scaled_max_norm(corrected, s);
         if (!isfinite(size)) return TVI_ENONFINITE;
         if (direction_index == 0) goal = tvi_larger(CURVE_NEGLIGIBLE_ERROR, PRODUCTS_REDUCTION * size);
@@ -301,32 +298,16 @@ static inline tvi_status products_solve_by_conjugate_residuals(tvi_corrected_cur
             (verdict == TVI_PASSES_STUCK &&
              size <= PRODUCTS_STALLED_CORRECTION * products_compute_scaled_max_norm(corrected, iteration->solution));
         /* With a second combination all rows are solved for, and no residual is needed. */
-        if (may_end && equations->lower_jacobian_combination)
+        if (may_end && corrected->definition->equations.lower)
             products_add_multiple(corrected, 1, s, iteration->solution);
         else
             products_minimise_residual(corrected,
                                        products_choose_order_for_accuracy(corrected, goal < size ? goal / size : 1),
-                                       equations, direction_index);
+                                       direction_index);
         iteration->has_initial_guess = may_end;
         if (may_end) return TVI_OK;
     }
     return TVI_ENOCONV;
-}
-
-/* Solves A^T x = D_z without forming A. gradient_then_solution becomes x in solved rows, and D_z - A^T x in others. */
-static inline tvi_status products_solve_correction_equations(tvi_corrected_curve *corrected,
-                                                             const tvi_end_correction_equations *equations)
-{
-    const tvi_conjugate_residuals *iteration = products_get_conjugate_residuals(corrected);
-    const int n = curve_dimension(&corrected->curve), place = products_get_first_equation_row(corrected, equations);
-    if (!equations->lower_jacobian_combination)
-        memset(iteration->inverse_unknown_size + n - place, 0, (size_t)n * sizeof *iteration->inverse_unknown_size);
-    const tvi_status status = products_solve_by_conjugate_residuals(corrected, equations);
-    memcpy(corrected->gradient_then_solution, iteration->residual,
-           2 * (size_t)n * sizeof *corrected->gradient_then_solution);
-    memcpy(corrected->gradient_then_solution + place, iteration->solution + place,
-           (size_t)(equations->lower_jacobian_combination ? 2 * n : n) * sizeof *corrected->gradient_then_solution);
-    return status;
 }
 
 /* Computes J^-1 times the correction, with J = d(q-, u-)/dz. A curve is symplectic up to its truncation, J^T W J = W
@@ -343,7 +324,7 @@ static inline void products_apply_inverse_flow_jacobian(tvi_corrected_curve *cor
         of_u[i] = -correction[i] / kappa[i];
     }
     const tvi_transposed_jacobian_operands ends = {
-        NULL, 1, &corrected->q_at_start_weights, &corrected->scaled_p_at_start_weights, of_q, of_u};
+        NULL, 1, &corrected->ends[TVI_Q_START], &corrected->ends[TVI_U_START], of_q, of_u};
     products_multiply_by_transposed_jacobians(&corrected->curve, last_order, &ends, iteration->product);
     for (int i = 0; i < n; i++) {
         correction[i] = -kappa[i] * product[n + i];
@@ -388,14 +369,24 @@ static inline void products_set_unknown_sizes(tvi_corrected_curve *corrected)
         products_set_subsystem_unknown_sizes(corrected, parts->component_list, first, parts->end_in_component_list[k]);
 }
 
-/* Computes the corrections of the ends of the step in one pass. The first pass of a step also computes
- * inverse_unknown_size, by which the unknowns are scaled in all passes of the step. */
-static inline tvi_status products_compute_corrections(tvi_corrected_curve *corrected, const double z[],
-                                                      const double scale[], tvi_stats *stats)
+/* Solves A^T x = D_z without forming A. gradient_then_solution becomes x in solved rows, and D_z - A^T x in others. The
+ * first pass of a step also computes inverse_unknown_size, by which the unknowns are scaled in all passes of the
+ * step. */
+static inline tvi_status products_solve_correction_equations(tvi_corrected_curve *corrected, const double z[],
+                                                             const double scale[], tvi_stats *stats)
 {
+    const tvi_conjugate_residuals *iteration = products_get_conjugate_residuals(corrected);
+    const int n = curve_dimension(&corrected->curve), place = products_get_first_equation_row(corrected);
     (void)z, (void)scale, (void)stats;
-    if (!products_get_conjugate_residuals(corrected)->has_initial_guess) products_set_unknown_sizes(corrected);
-    return corrected->solve_end_corrections(corrected);
+    if (!iteration->has_initial_guess) products_set_unknown_sizes(corrected);
+    if (!corrected->definition->equations.lower)
+        memset(iteration->inverse_unknown_size + n - place, 0, (size_t)n * sizeof *iteration->inverse_unknown_size);
+    const tvi_status status = products_solve_by_conjugate_residuals(corrected);
+    memcpy(corrected->gradient_then_solution, iteration->residual,
+           2 * (size_t)n * sizeof *corrected->gradient_then_solution);
+    memcpy(corrected->gradient_then_solution + place, iteration->solution + place,
+           (size_t)(corrected->definition->equations.lower ? 2 * n : n) * sizeof *corrected->gradient_then_solution);
+    return status;
 }
 
 #endif

@@ -1,11 +1,13 @@
-/* closing.h - Declares two constants of each method with a Taylor curve: where the step's start and end lie in the
- * curve's scaled time s, and the factors with which the solution of the generating function's equations is added to the
- * curve's ends, so that the step is symplectic (docs/method.md, section 4). Descriptors of methods (descriptor.h)
- * contain both. */
+/* closing.h - Declares three constants of each method with a Taylor curve: where the step's start and end lie in the
+ * curve's scaled time s, the equations of the generating function, and the factors with which their solution is added
+ * to the curve's ends, so that the step is symplectic (docs/method.md, section 4). Descriptors of methods
+ * (descriptor.h) contain them. */
 #ifndef TVI_SRC_METHOD_CLOSING_H
 #define TVI_SRC_METHOD_CLOSING_H
 
 #include "tvi.h"
+
+#include <stdbool.h>
 
 /* The ends of a step in the scaled time s, in which a Taylor curve is a polynomial: s- (start_s) and s+ (end_s). One
  * unit of s is the time tau_over_h h. */
@@ -13,15 +15,34 @@ typedef struct {
     double start_s, end_s, tau_over_h;
 } tvi_step_span;
 
-struct tvi_corrected_curve;
-/* The type of a function that computes the corrections of a curve's ends by the equations of a generating function
- * (generating/corrected_curve.h). */
-typedef tvi_status tvi_correct_ends_fn(struct tvi_corrected_curve *corrected);
+/* Sums of the curve's coefficients at the ends s- and s+ of the step: those of q, and those of the scaled momentum u =
+ * kappa p. STEP is the difference of the two ends, and MEAN is (s+ x- - s- x+)/(s+ - s-), which has no term of order 1;
+ * it is the mean of the ends if the curve is expanded at the midpoint. */
+typedef enum {
+    TVI_NO_SUM,
+    TVI_Q_START,
+    TVI_Q_END,
+    TVI_Q_STEP,
+    TVI_Q_MEAN,
+    TVI_U_START,
+    TVI_U_END,
+    TVI_U_STEP,
+    TVI_U_MEAN,
+    TVI_END_SUMS
+} tvi_end_sum;
 
-/* The factors by which the solution (x, y) of the equations [J1; J2]^T (x, y) = D_z (generating/corrected_curve.h)
- * enters the corrections of both ends. J1 is the Jacobian matrix of the mean of the ends' coordinates.
- * tvi_solve_end_corrections_by_jacobian_block, which solves other equations for (x, y), uses the same factors. In the
- * notation of docs/notation.md the corrections of the start are
+/* The linear equations A^T x = D_z for the corrections of the ends, with D_z the gradient of the discrete action by the
+ * state z at the curve's centre, in defect form. If lower is not 0, A is the Jacobian by z of the sum `upper` above
+ * that of `lower`, and (x, y) is the solution. Otherwise A is one n x n half of the Jacobian J of `upper`: by the first
+ * half of z, the coordinates, or by the last. The solution takes the place of this half of (x, y), and the other half
+ * is what it leaves there, D_z - J^T x. */
+typedef struct {
+    tvi_end_sum upper, lower; /* upper 0: there are no equations, and the ends are not corrected */
+    bool has_last_columns;
+} tvi_end_equations;
+
+/* The factors by which the solution (x, y) of the equations enters the corrections of both ends. The corrections of the
+ * start are
  *     start_correction_q = start_q_correction_factor kappa y,
  *     start_correction_p = start_p_correction_factor[0] x + start_p_correction_factor[1] y,
  * and those of the increments are
@@ -29,9 +50,6 @@ typedef tvi_status tvi_correct_ends_fn(struct tvi_corrected_curve *corrected);
  *     increment_correction_p = increment_p_correction_factor[0] x + increment_p_correction_factor[1] y,
  * with kappa = 1 unless the system is separable. */
 typedef struct {
-    /* true: J2 is the Jacobian matrix of the mean of the ends' scaled momenta; false: that of the difference of their
-     * coordinates. */
-    bool uses_mean_momentum;
     double start_q_correction_factor, increment_q_correction_factor;
     double start_p_correction_factor[2], increment_p_correction_factor[2];
 } tvi_curve_end_correction_factors;

@@ -1,5 +1,5 @@
-/* descriptor.h - Declares the descriptor of a method, which says as data what the method is. Each method is defined
- * in a file of its own, and listed in list.h. No other code depends on which method it runs. */
+/* descriptor.h - Declares the descriptor of a method, which says as data what the method is. All methods are listed
+ * in list.h. No other code depends on which method it runs. */
 #ifndef TVI_SRC_METHOD_DESCRIPTOR_H
 #define TVI_SRC_METHOD_DESCRIPTOR_H
 
@@ -53,10 +53,8 @@ typedef struct {
     tvi_action_kind action;
     /* true: the polynomial of p has the degree N, as that of q; false: it has the degree N - 1. */
     bool uses_highest_momentum_term;
-    /* Computes the corrections of the ends; NULL: the ends are not corrected. */
-    tvi_correct_ends_fn *correct_ends;
-    /* The factors with which that function computes the corrections. */
-    tvi_curve_end_correction_factors end_correction_factors;
+    tvi_end_equations equations;                             /* of the corrections of the ends */
+    tvi_curve_end_correction_factors end_correction_factors; /* by which their solution is added */
     /* A step needs one more pass of Newton's method than the first two corrections suggest. The first pass reduces the
      * residual much more than later passes do, and does not show how fast the later passes converge. */
     bool needs_extra_newton_pass;

@@ -81,6 +81,7 @@ typedef struct {
     tvi_tapes_of_steps (*list_tapes)(const tvi_system *system, const tvi_options *options);
 } tvi_stepper;
 
-extern const tvi_stepper tvi_stepper_curve, tvi_stepper_taylor, tvi_stepper_composed, tvi_stepper_galerkin;
+extern const tvi_stepper tvi_stepper_curve, tvi_stepper_both_ends, tvi_stepper_taylor, tvi_stepper_composed,
+    tvi_stepper_galerkin;
 
 #endif
