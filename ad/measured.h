@@ -66,7 +66,7 @@
 
 /* ---- "taylor" to a tolerance: make adaptive; suites tolerance of build/check/events ------------------------------ */
 
-/* [1] The last term of the series is e to minus this, times the tolerance. The paper (generating/step_size.h) has e to
+/* [1] The last term of the series is e to minus this, times the tolerance. The paper (generating/taylor.c) has e to
  * minus 2; the other 3 allow for the growth of errors in tens of revolutions. */
 #define STEP_SIZE_SAFETY 5.0
 /* [1] A step is at most this part of the radius of convergence. */

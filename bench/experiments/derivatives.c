@@ -28,15 +28,15 @@ static prolongation prolong(const tvi_system *system, const scene *s, int top)
     if (!x.memory) exit(EXIT_FAILURE);
     tvi_curve_allocate(&x.curve, &arena, system, top, true);
     tvi_blocks_set_constants(arena.first_tape_block);
-    tvi_curve_fill_constant_tables(&x.curve);
+    tvi_curve_fill_tables(&x.curve);
     double z[2 * BASELINE_N_MAX];
     const double tau = s->steps[3];
     for (int i = 0; i < s->n; i++) {
         z[i] = s->q[i];
         z[s->n + i] = tau * s->p[i] / (s->mass ? s->mass[i] : 1);
     }
-    curve_set_time_unit(&x.curve, tau);
-    curve_set_centre_state(&x.curve, z);
+    curve_set_tau(&x.curve, tau);
+    curve_set_z(&x.curve, z);
     return x;
 }
 

@@ -270,7 +270,7 @@ static void write_series(FILE *table, const experiment *e, const scene *s, const
     x = (hand){.code = widest_by_hand(), .is_kepler = s == &scene_kepler, .tau = tape->tau};
     set_power_weights(DEGREE, &x.weights);
     for (int k = 0; k < 2; k++) {
-        const double *Q = tvi_curve_position_coefficients(&tape->curve, k);
+        const double *Q = curve_Q(&tape->curve, k);
         if (x.is_kepler) x.kepler.x[k] = Q[0], x.kepler.y[k] = Q[1];
         else memcpy(x.solar.q[k], Q, 18 * sizeof *Q);
     }

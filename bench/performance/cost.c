@@ -1,5 +1,5 @@
 /* cost.c - Measures what a step of type I at the midpoint costs: against n, with Jacobians as matrices and as products,
- * and against N. Linked with --wrap=tvi_curve_choose_jacobian_method, so that both can be had at every n. Writes
+ * and against N. Linked with --wrap=tvi_curve_choose_jacobians, so that both can be had at every n. Writes
  * DIR/cost_n.md, cost_n.csv and cost_degree.csv.
  *     cost DIR */
 #include "curves.h"
@@ -15,11 +15,11 @@ enum { BODIES = sizeof bodies / sizeof *bodies, DEGREES = sizeof degrees / sizeo
 
 static tvi_jacobians forced = TVI_NO_JACOBIANS; /* TVI_NO_JACOBIANS: the library chooses. */
 
-tvi_jacobians __real_tvi_curve_choose_jacobian_method(const tvi_system *system);
-tvi_jacobians __wrap_tvi_curve_choose_jacobian_method(const tvi_system *system);
-tvi_jacobians __wrap_tvi_curve_choose_jacobian_method(const tvi_system *system)
+tvi_jacobians __real_tvi_curve_choose_jacobians(const tvi_system *system);
+tvi_jacobians __wrap_tvi_curve_choose_jacobians(const tvi_system *system);
+tvi_jacobians __wrap_tvi_curve_choose_jacobians(const tvi_system *system)
 {
-    return forced == TVI_NO_JACOBIANS ? __real_tvi_curve_choose_jacobian_method(system) : forced;
+    return forced == TVI_NO_JACOBIANS ? __real_tvi_curve_choose_jacobians(system) : forced;
 }
 
 /* ---- Measurements ---------------------------------------------------------------------------------------------------

@@ -21,7 +21,7 @@ open_curve *curve_open(const tvi_system *system, int N, const double q[], const 
     if (!c->memory) abort();
     lay_out(c, &arena, system, N);
     tvi_blocks_set_constants(arena.first_tape_block);
-    tvi_curve_fill_constant_tables(&c->curve);
+    tvi_curve_fill_tables(&c->curve);
     c->tau = h / 2;
     for (int i = 0; i < system->n; i++) {
         c->z[i] = q[i];
@@ -40,7 +40,7 @@ void curve_close(open_curve *c)
 void curve_expand(void *opened)
 {
     open_curve *c = opened;
-    curve_set_time_unit(&c->curve, c->tau);
-    curve_set_centre_state(&c->curve, c->z);
+    curve_set_tau(&c->curve, c->tau);
+    curve_set_z(&c->curve, c->z);
     experiment_insist(tvi_curve_expand(&c->curve, 0), "an expansion");
 }

@@ -34,7 +34,7 @@ $(PERFORMANCE_DIR)/compiled: $(BY_HAND)
 $(PERFORMANCE_DIR)/compiled: $(BUILD)/bench/adaptive/solution.o
 
 # matrices where the library takes products, and the reverse
-$(PERFORMANCE_DIR)/cost: LDFLAGS += -Wl,--wrap=tvi_curve_choose_jacobian_method
+$(PERFORMANCE_DIR)/cost: LDFLAGS += -Wl,--wrap=tvi_curve_choose_jacobians
 
 $(PERFORMANCE_PROGRAMS) $(PERFORMANCE_DIR)/devices: $(PERFORMANCE_DIR)/%: $(PERFORMANCE_DIR)/%.o $(PERFORMANCE_SHARED) $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
 	$(call SAY,LD $@)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)

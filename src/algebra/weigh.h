@@ -1,5 +1,5 @@
 /* weigh.h - Adds rows of a matrix, or the magnitudes of their entries, times weights to a vector. The sums of Taylor
- * series (generating/series.h) call it. */
+ * series (generating/curve.h) call it. */
 #ifndef TVI_SRC_ALGEBRA_WEIGH_H
 #define TVI_SRC_ALGEBRA_WEIGH_H
 

@@ -1,121 +1,226 @@
-/* action.c - computes the gradient of the discrete action as seeds: vectors that multiply the transposed Jacobians of
- * the curve's coefficients. seeds.h computes the terms with first derivatives of the Lagrangian or the Hamiltonian, and
- * this file those with second derivatives. For passes that no longer converge, this file also estimates the roundoff of
- * the ends of a step from that of the field at the nodes (docs/method.md section 5). curve_stepper.c, both_ends.c and
- * both_ends_nodes.c call it. */
-#include "generating/curve_stepper.h"
+/* action.c - allocates a discrete action, and computes its tables: the powers of the quadrature's nodes and their
+ * derivatives, which depend only on the quadrature and on the ends of the step in scaled time. It calls the code for
+ * the seeds that is compiled for the processor (seeds.c). For passes that no longer converge, it estimates the roundoff
+ * of the ends of a step from that of the field at the nodes (docs/method.md section 5). */
+#include "generating/action.h"
+#include "algebra/quadrature.h"
 #include "algebra/sizes.h"
+#include "method/method.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
-double tvi_estimate_node_momenta_roundoff(tvi_action *action, tvi_curve *curve)
+/* ---- Sizes and memory -------------------------------------------------------------------------------------------- */
+
+/* Returns the number of nodes in each of the two halves of the step, which mirror each other. The number is padded to
+ * whole vectors if the field's tape processes as many vectors with the padding as without; otherwise it is not
+ * padded. */
+static int choose_half(const tvi_system *system, int points)
 {
-    const int n = curve->n, points = action->node_count;
-    tvi_roundoff_estimator *roundoff = &action->field_roundoff;
-    if (tvi_curve_factor_velocity_hessian(curve) != TVI_OK) return 0;
-    (void)tvi_roundoff_estimate_field(roundoff, curve->system, action->field_tape_values_at_nodes, points, points);
-    for (int i = 0; i < n; i++) {
-        const double of_v = DBL_EPSILON * tvi_largest_magnitude(points, action->gradient_by_v + i * points, 1);
-        action->node_momentum_correction[i] =
-            tvi_roundoff_sign_randomly(roundoff, roundoff->output_roundoff[n + i] + of_v);
-    }
-    tvi_factor_solve(&curve->velocity_hessian, action->node_momentum_correction);
-    return ROUNDOFF_MAX_UNITS * tvi_largest_magnitude(n, action->node_momentum_correction, 1);
+    const int lanes = 2 << system->field_values->sweeps->isa, half = (points + 1) / 2, whole = TVI_WHOLE_VECTORS(half);
+    return (2 * whole + lanes - 1) / lanes > (2 * half + lanes - 1) / lanes ? half : whole;
 }
 
-int tvi_estimate_end_state_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[],
-                                    const double p[], double q_roundoff[], double p_roundoff[])
+tvi_action tvi_action_shape(const tvi_system *system, const tvi_options *options)
 {
-    const tvi_system *system = curve->system;
-    const double *output_roundoff = action->field_roundoff.output_roundoff;
-    const bool separable = system->form == TVI_SEPARABLE;
-    const int n = curve->n, points = action->node_count;
-    memset(q_roundoff, 0, (size_t)n * sizeof *q_roundoff);
-    memset(p_roundoff, 0, (size_t)n * sizeof *p_roundoff);
-    if (!tvi_roundoff_may_exceed_motion(system, h, q, p, action->field_tape_values_at_nodes, action->p_at_nodes, points,
-                                        points))
-        return 0;
-    const int values = tvi_roundoff_estimate_field(&action->field_roundoff, system, action->field_tape_values_at_nodes,
-                                                   points, points);
-    for (int i = 0; i < n; i++) {
-        const double of_force = fabs(h) * output_roundoff[i], of_second = separable ? 0 : output_roundoff[n + i];
-        p_roundoff[i] = of_force + DBL_EPSILON * fabs(p[i]);
-        if (separable) q_roundoff[i] = fabs(h) / system->mass[i] * of_force;
-        else if (system->form == TVI_HAMILTONIAN) q_roundoff[i] = fabs(h) * of_second;
-        else p_roundoff[i] += of_second;
+    const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
+    const tvi_step_span span = definition->step_span;
+    const int degree = options->degree, p_degree = definition->uses_highest_momentum_term ? degree : degree - 1;
+    const bool is_hamilton = definition->action == TVI_ACTION_HAMILTON, separable = system->form == TVI_SEPARABLE;
+    const bool one_more = definition->uses_highest_momentum_term && separable; /* p of degree N needs Q_{N+1} */
+    tvi_action shape = {.is_hamilton = is_hamilton,
+                        .is_truncated = options->nodes == TVI_NODES_TRUNCATED,
+                        .has_by_v = !is_hamilton && !separable,
+                        .has_by_p = is_hamilton && (!separable || p_degree >= degree),
+                        .q_degree = degree,
+                        .p_degree = p_degree,
+                        .nodes = options->quadrature_points,
+                        .order_count = degree + one_more + 1};
+    if (span.start_s == -span.end_s && !(is_hamilton && shape.is_truncated) &&
+        tvi_quadrature_mirror(options->quadrature) == options->quadrature) {
+        shape.half = choose_half(system, options->quadrature_points);
+        shape.nodes = 2 * shape.half;
     }
-    return values;
+    return shape;
 }
 
-tvi_status tvi_evaluate_lagrangian_at_nodes(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
-                                            const double p[])
+void tvi_action_allocate(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
-    const size_t panel = (size_t)(curve->n * action->node_count) * sizeof *q;
-    memcpy(action->field_tape_values_at_nodes, q, panel);
-    memcpy(action->gradient_by_v, v, panel);
-    memcpy(action->p_at_nodes, p, panel);
-    seeds_set_node_times(action, curve, action->field_tape_values_at_nodes);
-    return seeds_compute_lagrange_node_gradient(action, curve);
+    *action = tvi_action_shape(system, options);
+    const size_t orders = (size_t)action->order_count, nodes = (size_t)action->nodes, n = (size_t)system->n,
+                 half_rows =
+                     (size_t)(TVI_WHOLE_VECTORS((action->order_count + 1) / 2) * TVI_WHOLE_VECTORS(action->half));
+    const bool needs_momenta = system->form == TVI_HAMILTONIAN && !action->is_hamilton;
+    action->tape = needs_momenta ? system->field_series : system->field_values;
+    tvi_allocate_each(arena, nodes, (double **[]){&action->s, &action->weight, NULL});
+    tvi_node_table *const tables[] = {&action->power,      &action->slope,          &action->second,
+                                      &action->node_power, &action->weighted_power, &action->weighted_slope};
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
+        tables[i]->all = tvi_arena_allocate_doubles(arena, orders * nodes);
+        tvi_allocate_each(arena, half_rows, (double **[]){&tables[i]->even, &tables[i]->odd, NULL});
+    }
+    action->node_sums = tvi_arena_allocate_doubles(arena, orders);
+    if (tvi_quadrature_order(options->quadrature, options->quadrature_points) < action->q_degree + action->p_degree)
+        action->by_parts = tvi_arena_allocate_doubles(arena, orders * orders);
+    action->slots = tvi_arena_allocate_block(arena, action->tape, 1, action->nodes, 0);
+    if (system->form == TVI_HAMILTONIAN && action->is_hamilton && action->is_truncated)
+        action->Hp_slots = tvi_arena_allocate_block(arena, system->r_dot_Hp_values, 1, action->nodes, 0);
+    action->P = tvi_arena_allocate_doubles(arena, orders * n);
+    tvi_allocate_each(
+        arena, n * nodes,
+        (double **[]){&action->p, &action->dp_ds, &action->by_q, &action->by_v, &action->by_p, &action->dp, NULL});
+    if (needs_momenta) {
+        action->H_pp = tvi_arena_allocate_doubles(arena, n * n * nodes);
+        action->tangents = tvi_arena_allocate_doubles(arena, (size_t)action->tape->slot_count * nodes);
+    }
+    tvi_roundoff_allocate(&action->roundoff, arena, system);
 }
 
-/* Computes the derivatives of the action's terms at truncated nodes. There q_i lacks the highest term of the curve, and
- * q'_i = H_p(q_i, p_i). The derivatives are gradient_by_q = tau (H_qp p - H_q), gradient_by_p = tau H_pp p and
- * gradient_by_v = -p. */
-static tvi_status compute_action_gradient_with_truncated_q(tvi_action *action, const tvi_curve *curve)
+/* ---- The tables -------------------------------------------------------------------------------------------------- */
+
+/* Returns e_r, the quadrature of s^r over the span less its integral; it is exactly 0 below the order of the
+ * quadrature. */
+static double quadrature_error(int order, int points, const long double s[], const long double weight[], int r,
+                               tvi_step_span span)
 {
-    const tvi_system *system = curve->system;
-    const int n = curve->n, points = action->node_count;
-    const size_t panel = (size_t)(n * points) * sizeof(double);
-    const bool separable = system->form == TVI_SEPARABLE;
-    if (!separable) memcpy(action->field_tape_values_at_nodes + n * points, action->p_at_nodes, panel);
-    const tvi_status status = seeds_evaluate_field_at_nodes(action);
-    if (status != TVI_OK) return status;
-    seeds_copy_scaled_field_outputs(action, curve, 0, separable ? curve->time_unit : -curve->time_unit,
-                                    action->gradient_by_q);
-    if (!separable) {
-        memcpy(action->hessian_product_block, action->field_tape_values_at_nodes,
-               (size_t)(2 * n + system->uses_time) * (size_t)points * sizeof(double));
-        memcpy(action->hessian_product_block + (2 * n + 1) * points, action->p_at_nodes, panel);
-        if (!jet_sweep_values(system->r_dot_Hp_values, action->hessian_product_block, points)) return TVI_EDOMAIN;
+    if (r < order) return 0;
+    long double error = -(powl(span.end_s, r + 1) - powl(span.start_s, r + 1)) / (r + 1);
+    for (int i = 0; i < points; i++) error += weight[i] * powl(s[i], r);
+    return (double)error;
+}
+
+/* Sets the columns of a node at s in all tables; the weighted ones are transposed. */
+static void set_node(tvi_action *action, int node, long double s, bool is_end_of_step)
+{
+    for (int k = 2; k < action->order_count; k++)
+        action->second.all[k * action->nodes + node] = (double)(k * (k - 1) * powl(s, k - 2));
+    for (int k = 0; k <= action->q_degree; k++) {
+        const int at = k * action->nodes + node, weighted = node * action->order_count + k;
+        const bool is_left_out = action->is_truncated && k == action->q_degree && !is_end_of_step;
+        const double power = (double)powl(s, k), slope = k == 0 ? 0 : k * (double)powl(s, k - 1);
+        action->power.all[at] = power;
+        action->slope.all[at] = slope;
+        action->node_power.all[at] = is_left_out ? 0 : power;
+        action->weighted_power.all[weighted] = action->weight[node] * power;
+        action->weighted_slope.all[weighted] = action->weight[node] * slope;
     }
-    for (int i = 0; i < n; i++)
-        for (int node = 0; node < points; node++) {
-            const int place = i * points + node;
-            if (separable) {
-                action->gradient_by_p[place] = curve->time_unit * action->p_at_nodes[place] / system->mass[i];
-            } else {
-                action->gradient_by_q[place] +=
-                    curve->time_unit *
-                    seeds_get_field_output_row(action, system->r_dot_Hp_values, action->hessian_product_block, i)[node];
-                action->gradient_by_p[place] =
-                    curve->time_unit * seeds_get_field_output_row(action, system->r_dot_Hp_values,
-                                                                  action->hessian_product_block, n + i)[node];
-            }
-            action->gradient_by_v[place] = -action->p_at_nodes[place];
+}
+
+/* Copies the even and the odd orders at the first half of the nodes. */
+static void split_table(const tvi_action *action, tvi_node_table *table, bool is_weighted, double mirror_sign)
+{
+    const int half = action->half, orders = action->order_count, width = TVI_WHOLE_VECTORS((orders + 1) / 2);
+    table->mirror_sign = mirror_sign;
+    for (int k = 0; k < orders; k++)
+        for (int node = 0; node < half; node++) {
+            double *rows = k % 2 == 0 ? table->even : table->odd;
+            if (is_weighted) rows[node * width + k / 2] = table->all[node * orders + k];
+            else rows[k / 2 * half + node] = table->all[k * action->nodes + node];
         }
-    return TVI_OK;
+}
+
+/* Returns the node of the quadrature rule at which this node of the action lies, and sets *share to the share of the
+ * rule's weight that the node of the action has. */
+static int quadrature_node(const tvi_action *action, int points, int node, double *share)
+{
+    const int half = action->half, in_half = half > 0 ? node % half : node,
+              i = in_half < (points + 1) / 2 || half == 0 ? in_half : 0;
+    *share = i != in_half ? 0 : half > 0 && 2 * in_half + 1 == points ? 0.5 : 1;
+    return half > 0 && node >= half ? points - 1 - i : i;
+}
+
+void tvi_action_set_tables(tvi_action *action, const tvi_options *options, tvi_step_span span)
+{
+    const int points = options->quadrature_points, order = tvi_quadrature_order(options->quadrature, points);
+    const double length = span.end_s - span.start_s;
+    long double s[TVI_MAX_POINTS], weight[TVI_MAX_POINTS];
+    bool is_end[TVI_MAX_POINTS];
+    tvi_quadrature_compute_nodes(options->quadrature, points, s, weight);
+    for (int i = 0; i < points; i++) { /* from [-1, 1] to the span */
+        is_end[i] = s[i] == -1 || s[i] == 1;
+        s[i] = span.start_s + length * (1 + s[i]) / 2;
+        weight[i] *= length / 2;
+    }
+    for (int node = 0; node < action->nodes; node++) {
+        double share;
+        const int i = quadrature_node(action, points, node, &share);
+        action->s[node] = (double)s[i];
+        action->weight[node] = share * (double)weight[i];
+        set_node(action, node, s[i], is_end[i]);
+    }
+    split_table(action, &action->power, false, 1);
+    split_table(action, &action->slope, false, -1);
+    split_table(action, &action->second, false, 1);
+    split_table(action, &action->node_power, false, 1);
+    split_table(action, &action->weighted_power, true, 1);
+    split_table(action, &action->weighted_slope, true, -1);
+    for (int k = 0; k <= action->q_degree && action->by_parts; k++)
+        for (int j = 0; j <= action->p_degree; j++)
+            action->by_parts[k * action->order_count + j] =
+                j + k == 0 ? 0 : (j + k) * quadrature_error(order, points, s, weight, j + k - 1, span);
 }
 
 /* ---- The seeds --------------------------------------------------------------------------------------------------- */
 
-static tvi_status compute_seeds_without_finite_check(tvi_action *action, tvi_curve *curve, double seed_Q[],
-                                                     double seed_U[])
+static const tvi_curve_code *const code_of_isa[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_curve_code_base,
+#ifdef JET_ISA_X86
+    [jet_isa_avx2] = &tvi_curve_code_avx2,
+    [jet_isa_avx512] = &tvi_curve_code_avx512,
+#endif
+};
+
+const tvi_curve_code *tvi_curve_code_for(const jet_tape *tape) { return code_of_isa[tape->sweeps->isa]; }
+
+tvi_status tvi_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
-    if (seeds_need_no_second_derivatives(action))
-        return tvi_choose_curve_isa_functions(action->field_tape)->compute_seeds(action, curve, seed_Q, seed_U);
-    seeds_clear_seeds_and_evaluate_curve_at_nodes(action, curve, seed_Q, seed_U);
-    const tvi_status status = compute_action_gradient_with_truncated_q(action, curve);
-    if (status == TVI_OK) seeds_compute_from_node_gradient(action, curve, seed_Q, seed_U);
-    return status;
+    const bool is_bent = action->is_hamilton && action->is_truncated;
+    const tvi_curve_code *code = is_bent ? &tvi_curve_code_base : tvi_curve_code_for(action->tape);
+    const int seeds = (curve->highest_order + 1) * curve->n;
+    const tvi_status status = code->seeds(action, curve, seed_Q, seed_U);
+    if (status != TVI_OK) return status;
+    const bool has_U = curve->system->form != TVI_SEPARABLE;
+    return tvi_all_finite(seeds, seed_Q) && (!has_U || tvi_all_finite(seeds, seed_U)) ? TVI_OK : TVI_ENONFINITE;
 }
 
-tvi_status tvi_compute_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
+tvi_status tvi_action_lagrangian(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
+                                 const double p[])
 {
-    const int seeds = (curve->highest_order + 1) * curve->n;
-    const bool has_U = curve->system->form != TVI_SEPARABLE;
-    const tvi_status status = compute_seeds_without_finite_check(action, curve, seed_Q, seed_U);
-    if (status != TVI_OK) return status;
-    return tvi_all_finite(seeds, seed_Q) && (!has_U || tvi_all_finite(seeds, seed_U)) ? TVI_OK : TVI_ENONFINITE;
+    return tvi_curve_code_base.lagrangian(action, curve, q, v, p);
+}
+
+/* ---- Roundoff ---------------------------------------------------------------------------------------------------- */
+
+double tvi_action_dp_roundoff(tvi_action *action, tvi_curve *curve)
+{
+    const int n = curve->n, nodes = action->nodes;
+    tvi_roundoff_estimator *roundoff = &action->roundoff;
+    if (tvi_curve_factor_L_vv(curve) != TVI_OK) return 0;
+    (void)tvi_roundoff_estimate_field(roundoff, curve->system, action->slots, nodes, nodes);
+    for (int i = 0; i < n; i++) {
+        const double of_v = DBL_EPSILON * tvi_largest_magnitude(nodes, action->by_v + i * nodes, 1);
+        action->dp[i] = tvi_roundoff_sign_randomly(roundoff, roundoff->output_roundoff[n + i] + of_v);
+    }
+    tvi_factor_solve(&curve->L_vv, action->dp);
+    return ROUNDOFF_MAX_UNITS * tvi_largest_magnitude(n, action->dp, 1);
+}
+
+int tvi_action_end_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[], const double p[],
+                            double q_roundoff[], double p_roundoff[])
+{
+    const tvi_system *system = curve->system;
+    const double *d = action->roundoff.output_roundoff;
+    const int n = curve->n, nodes = action->nodes;
+    memset(q_roundoff, 0, (size_t)n * sizeof *q_roundoff);
+    memset(p_roundoff, 0, (size_t)n * sizeof *p_roundoff);
+    if (!tvi_roundoff_may_exceed_motion(system, h, q, p, action->slots, action->p, nodes, nodes)) return 0;
+    const int values = tvi_roundoff_estimate_field(&action->roundoff, system, action->slots, nodes, nodes);
+    for (int i = 0; i < n; i++) {
+        p_roundoff[i] = fabs(h) * d[i] + DBL_EPSILON * fabs(p[i]);
+        if (system->form == TVI_SEPARABLE) q_roundoff[i] = fabs(h) / system->mass[i] * (fabs(h) * d[i]);
+        else if (system->form == TVI_HAMILTONIAN) q_roundoff[i] = fabs(h) * d[n + i];
+        else p_roundoff[i] += d[n + i];
+    }
+    return values;
 }

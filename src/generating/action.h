@@ -1,39 +1,80 @@
-/* action.h - declares the gradient of the discrete action S of a curve by the curve's centre state z, which steppers
+/* action.h - declares the gradient of the discrete action S of a curve by the state z at its centre, which steppers
  * compute in each pass (docs/method.md section 4): S_z = G+^T p+ - G-^T p- + D_z. Here p- and p+ are the curve's
  * momenta at the start and the end of the step, and G- and G+ are the Jacobians, by z, of its coordinates there. The
  * defect form D_z of the gradient is small: it is a sum over the quadrature nodes in which the residuals of the
- * equations of motion are factors, and these nearly vanish on the curve. */
+ * equations of motion are factors, and these nearly vanish on the curve. It is computed as seeds (seeds.c). */
 #ifndef TVI_SRC_GENERATING_ACTION_H
 #define TVI_SRC_GENERATING_ACTION_H
 
 #include "generating/curve.h"
-#include "generating/seeds.h"
 #include "method/descriptor.h"
+#include "system/roundoff.h"
 
-/* Returns an action that has no memory yet: only its sizes and switches are set. They follow from the method that the
- * resolved options choose. */
-tvi_action tvi_create_unallocated_action(const tvi_system *system, const tvi_options *options);
-/* Returns the tape that evaluates the field at the nodes. */
-const jet_tape *tvi_select_node_tape(const tvi_system *system, const tvi_action *action);
-void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options);
-void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, tvi_step_span span);
+/* The powers s_i^k of the nodes s_i, or their derivatives, or these times the weights. `all` is [order_count][nodes].
+ * If nodes mirror each other, `even` and `odd` have the even and the odd k at the first half of the nodes,
+ * [(order_count + 1)/2][half]; at the other half the rows of even k are multiplied by mirror_sign, those of odd k by
+ * -mirror_sign. Weighted tables are for sums over the nodes; they are transposed, [nodes][order_count] and
+ * [half][TVI_WHOLE_VECTORS((order_count + 1)/2)]. */
+typedef struct {
+    double *all, *even, *odd;
+    double mirror_sign; /* 1 for powers and second derivatives, -1 for first derivatives */
+} tvi_node_table;
+#define TVI_WHOLE_VECTORS(count) (((count) + 3) / 4 * 4)
 
-/* Computes the seeds seed_Q and seed_U, [highest_order + 1][n], by which the action's gradient in defect form is D_z =
- * sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k], with the coefficients Q_k of the position and U_k of the scaled
- * momentum. Returns TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR, or TVI_ENOCONV if the momenta that belong to a
- * Hamiltonian's velocities were not found. */
-TVI_NODISCARD tvi_status tvi_compute_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[],
-                                                  double seed_U[]);
+typedef struct tvi_action {
+    bool is_hamilton;        /* the action is an integral of p.q' - H by t; otherwise of L */
+    bool is_truncated;       /* the positions at the nodes omit the highest order */
+    bool has_by_v, has_by_p; /* by_v and by_p can differ from 0 */
+    int q_degree, p_degree;  /* the degrees to which position and momentum are summed */
+    int nodes;               /* the number of nodes, with those that pad a half */
+    int order_count;         /* the number of orders of the curve, highest_order + 1 */
+    /* The number of nodes in a mirrored half, padded to whole vectors, or 0 if the nodes do not mirror each other or if
+     * the seeds need second derivatives. The nodes of the first half are first, and their mirror images follow. A node
+     * at the centre is in both halves, with half its weight in each; nodes that pad a half repeat its first node with
+     * weight 0. */
+    int half;
+    double *s, *weight; /* [nodes] the nodes s_i in scaled time, and their weights, whose sum is s+ - s- */
+    /* s_i^k and its derivatives, 0 for k > q_degree; the second derivatives, for all orders; s_i^k as the positions q_i
+     * sum them, without the highest order at truncated nodes; and the first two times the weights. */
+    tvi_node_table power, slope, second, node_power, weighted_power, weighted_slope;
+    double *node_sums; /* [order_count] scratch: sums over the nodes for each order */
+    /* [order_count][order_count] (j + k) e_{j+k-1} of the summation by parts, for the orders k of the position and j of
+     * the momentum; NULL if all of them are 0 */
+    double *by_parts;
+    const jet_tape *tape; /* of the field at the nodes; it has tangents if momenta must be found from velocities */
+    double *slots;        /* its block, with one lane for each node */
+    double *Hp_slots;     /* the block of H_qp p and H_pp p; for truncated nodes of a Hamiltonian */
+    double *P;            /* [p_degree + 1][n] the coefficients of the momentum */
+    double *p, *dp_ds;    /* [n][nodes] the curve's momentum at the nodes, and its derivative by s */
+    /* [n][nodes] the derivatives of the action by q_i, tau v_i and p_i at node i, without the weight of the node */
+    double *by_q, *by_v, *by_p;
+    double *dp;       /* [n][nodes] the last correction of the momenta p_i that belong to velocities */
+    double *H_pp;     /* [n][n][nodes] H_pp at the nodes, or its inverse */
+    double *tangents; /* the block of the field's tangents in one direction, with one lane for each node */
+    tvi_roundoff_estimator roundoff; /* of the field at the nodes */
+} tvi_action;
 
-/* Evaluates the Lagrangian at nodes that lie on no single curve, at the action's times. From positions q, velocities
- * v and momenta p, [n][points] each, it computes gradient_by_q = tau L_q and gradient_by_v = L_v - p. */
-TVI_NODISCARD tvi_status tvi_evaluate_lagrangian_at_nodes(tvi_action *action, tvi_curve *curve, const double q[],
-                                                          const double v[], const double p[]);
+/* Returns an action without memory: its sizes and switches, for the method that the resolved options choose. */
+tvi_action tvi_action_shape(const tvi_system *system, const tvi_options *options);
+void tvi_action_allocate(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options);
+void tvi_action_set_tables(tvi_action *action, const tvi_options *options, tvi_step_span span);
 
-/* Estimates q_roundoff and p_roundoff, [n] each: the roundoff of q and p at the ends of a step of size h from (q, p).
- * The roundoff stems from the field, as last evaluated at the nodes, and from p itself. Both roundoffs are 0 if the
- * increments of the step are larger than q and p. Returns the number of force evaluations that it made. */
-int tvi_estimate_end_state_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[],
-                                    const double p[], double q_roundoff[], double p_roundoff[]);
+/* Computes the seeds seed_Q and seed_U, [highest_order + 1][n], with which D_z = sum_k (dQ_k/dz)^T seed_Q[k] +
+ * (dU_k/dz)^T seed_U[k]. Returns TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR, or TVI_ENOCONV if the momenta that belong
+ * to a Hamiltonian's velocities were not found. */
+TVI_NODISCARD tvi_status tvi_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
+
+/* Evaluates the Lagrangian at nodes that lie on no single curve, at the action's times. From positions q, velocities v
+ * and momenta p, [n][nodes] each, it computes by_q = tau L_q and by_v = L_v - p. */
+TVI_NODISCARD tvi_status tvi_action_lagrangian(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
+                                               const double p[]);
+
+/* Estimates the roundoff of q and p [n] at the ends of a step of size h from (q, p), which stems from the field, as
+ * last evaluated at the nodes, and from p itself. Both are 0 if the increments of the step are larger than q and p.
+ * Returns the number of force evaluations that it made. */
+int tvi_action_end_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[], const double p[],
+                            double q_roundoff[], double p_roundoff[]);
+/* Estimates the roundoff of the corrections of the momenta at the nodes from that of the last H_p. */
+double tvi_action_dp_roundoff(tvi_action *action, tvi_curve *curve);
 
 #endif

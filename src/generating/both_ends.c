@@ -11,225 +11,309 @@
  * and with R_q0 its part by q0 and so on, (A0, B0) = da(1)/d(q0, v0) and (A1, B1) = db(-1)/d(q1, v1),
  *     B0^T l = R_v0,   B1^T m = R_v1,   p0 = p_a(0) - R_q0 + A0^T l - m,   p1 = p_b(0) + R_q1 + l - A1^T m.
  * If the quadrature does not sum the derivative of dy^T pi exactly, the same formulas are used with pi = 0. */
-#include "generating/both_ends.h"
 #include "algebra/quadrature.h"
-#include "method/stepper.h"
+#include "generating/action.h"
+#include "generating/newton.h"
+#include "system/legendre.h"
 
 #include <math.h>
 #include <string.h>
 
+/* One of the two curves. */
+typedef struct {
+    tvi_curve curve;
+    tvi_action action;              /* its node tables; the start curve's action evaluates the nodes of both */
+    double sign;                    /* 1 for a, -1 for b: in a - b, and the scaled time of the other end */
+    double *blend;                  /* [points] the weight w or 1 - w of this curve at each node */
+    double *P;                      /* [degree][n] the coefficients of the momentum */
+    tvi_curve_sum q_rise, u_here;   /* q at the other end less q at this end, and u at this end, U_0 */
+    tvi_curve_sum dense_q, dense_u; /* the increments from this end to one point of dense output */
+    double *seed_Q;                 /* [degree + 1][n] the derivatives of the action by Q_k */
+    double *R;                      /* [2n] its parts R_q and R_v by z of this curve */
+    double *G;                      /* [n][2n] the Jacobian of q_rise by z: (A - I, B) */
+    tvi_lu_factor B;
+    double *multiplier; /* [n] l or m */
+    double *dz;         /* [2n] the correction of z that is applied to first order after the passes */
+} end_curve;
+
+typedef struct {
+    const tvi_system *system;
+    const tvi_options *options;
+    int n, degree, points;
+    bool has_pi; /* if not, pi = 0 in the formulas */
+    end_curve a, b;
+    tvi_newton newton; /* its unknowns are v0, q1, v1, scaled as the z of the curves */
+    tvi_legendre_transform legendre;
+    tvi_curve_sum q_at_end, v_at_end; /* of a: q and tau v (of a Hamiltonian p) at the end, which predict z of b */
+    double *y, *v, *pi, *dpi_ds;      /* [n][points] the blend of both curves at the nodes */
+    /* [n][points] The derivatives of the action by y_i and v_i at node i, and by the difference a - b there. If v is
+     * the derivative of the blend, the action depends on a - b also through v. */
+    double *by_y, *by_v, *by_difference;
+    double *row;            /* [points] scratch: one component of a series at the nodes */
+    double *z_a;            /* [2n] z of a */
+    double *velocity_guess; /* [n] a Lagrangian's velocity at the last predictor; part of the history */
+    double *start_correction_p, *increment_correction_p; /* [n] of p_a(0) to p0, and of p_b(0) - p_a(0) to p1 - p0 */
+    double *last_dq, *last_dp;                           /* [n] the increments of the last step */
+    double *scratch;                                     /* [n] */
+    /* The step that is being made. */
+    const tvi_step_origin *origin;
+    double h;
+    tvi_stats *stats;
+} work;
+
 /* ---- Memory and tables ------------------------------------------------------------------------------------------- */
 
-static void allocate_end_curve(tvi_one_end_curve *x, tvi_arena *arena, const tvi_system *system,
-                               const tvi_options *options, double sign)
+static void allocate_curve(end_curve *x, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
+                           double sign)
 {
     /* The nodes of the action of one curve are on that curve with either node rule, since y blends whole curves. The
      * node rule only decides which of the two formulas gives v. */
     tvi_options plain = *options;
     plain.nodes = TVI_NODES_ON_CURVE;
-    const int r = options->degree;
-    const size_t n = (size_t)system->n;
-    x->sign_in_curve_difference = x->other_end_scaled_time = sign;
-    tvi_curve_allocate(&x->curve, arena, system, r, TVI_JACOBIAN_MATRICES);
-    tvi_allocate_action(&x->action, arena, system, &plain);
-    tvi_coefficient_combination *const weights[] = {&x->q_increment_weights, &x->scaled_p_at_expansion_point_weights,
-                                                    &x->dense_output_q_weights, &x->dense_output_scaled_p_weights};
-    for (size_t i = 0; i < sizeof weights / sizeof *weights; i++)
-        *weights[i] = tvi_combination_allocate(&x->curve, arena);
-    x->node_blend_weight = tvi_arena_allocate_doubles(arena, (size_t)options->quadrature_points);
-    x->momentum_coefficients = tvi_arena_allocate_doubles(arena, (size_t)r * n);
-    x->action_gradient_by_coefficients_Q = tvi_arena_allocate_doubles(arena, ((size_t)r + 1) * n);
-    x->action_gradient_by_z = tvi_arena_allocate_doubles(arena, 2 * n);
-    x->q_increment_jacobian = tvi_arena_allocate_doubles(arena, n * 2 * n);
-    x->end_condition_multiplier = tvi_arena_allocate_doubles(arena, n);
-    x->last_newton_dz = tvi_arena_allocate_doubles(arena, 2 * n);
-    tvi_factor_allocate(&x->q_by_velocity_jacobian_lu, arena, system->n);
+    const size_t n = (size_t)system->n, degree = (size_t)options->degree;
+    x->sign = sign;
+    tvi_curve_allocate(&x->curve, arena, system, options->degree, TVI_JACOBIAN_MATRICES);
+    tvi_action_allocate(&x->action, arena, system, &plain);
+    tvi_curve_sum *const sums[] = {&x->q_rise, &x->u_here, &x->dense_q, &x->dense_u};
+    for (int i = 0; i < 4; i++) *sums[i] = tvi_curve_sum_allocate(&x->curve, arena);
+    x->blend = tvi_arena_allocate_doubles(arena, (size_t)options->quadrature_points);
+    x->P = tvi_arena_allocate_doubles(arena, degree * n);
+    x->seed_Q = tvi_arena_allocate_doubles(arena, (degree + 1) * n);
+    x->G = tvi_arena_allocate_doubles(arena, n * 2 * n);
+    tvi_allocate_each(arena, 2 * n, (double **[]){&x->R, &x->multiplier, &x->dz, NULL});
+    tvi_factor_allocate(&x->B, arena, system->n);
 }
 
-static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
+static void *allocate(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
-    tvi_both_ends_workspace *workspace = tvi_arena_allocate(arena, sizeof *workspace);
-    tvi_both_ends_workspace w = {.system = system,
-                                 .options = options,
-                                 .n = system->n,
-                                 .degree = options->degree,
-                                 .points = options->quadrature_points};
     const size_t n = (size_t)system->n, points = (size_t)options->quadrature_points;
-    allocate_end_curve(&w.start_curve, arena, system, options, 1);
-    allocate_end_curve(&w.end_curve, arena, system, options, -1);
-    w.action_has_momentum_terms = tvi_quadrature_order(options->quadrature, w.points) >= 2 * options->degree + 1;
+    work *allocated = tvi_arena_allocate(arena, sizeof *allocated);
+    work w = {.system = system,
+              .options = options,
+              .n = system->n,
+              .degree = options->degree,
+              .points = options->quadrature_points,
+              .has_pi =
+                  tvi_quadrature_order(options->quadrature, options->quadrature_points) >= 2 * options->degree + 1};
+    allocate_curve(&w.a, arena, system, options, 1);
+    allocate_curve(&w.b, arena, system, options, -1);
     tvi_newton_allocate(&w.newton, arena, 3, system, true);
     if (system->form == TVI_LAGRANGIAN) {
-        tvi_legendre_allocate(&w.legendre_transform, arena, system);
+        tvi_legendre_allocate(&w.legendre, arena, system);
         w.velocity_guess = tvi_arena_allocate_copied(arena, n * sizeof *w.velocity_guess);
     }
-    w.q_at_end_weights = tvi_combination_allocate(&w.start_curve.curve, arena);
-    w.velocity_at_end_weights = tvi_combination_allocate(&w.start_curve.curve, arena);
-    double **const panels[] = {&w.q_at_nodes,
-                               &w.v_at_nodes,
-                               &w.p_at_nodes,
-                               &w.dp_ds_at_nodes,
-                               &w.action_gradient_by_q,
-                               &w.action_gradient_by_v,
-                               &w.action_gradient_by_difference};
-    for (size_t i = 0; i < sizeof panels / sizeof *panels; i++)
-        *panels[i] = tvi_arena_allocate_doubles(arena, n * points);
-    w.series_value_at_node = tvi_arena_allocate_doubles(arena, points);
-    double **const vectors[] = {&w.start_curve_z, &w.start_correction_p, &w.increment_correction_p,
-                                &w.last_step_dq,  &w.last_step_dp,       &w.scratch};
-    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
-        *vectors[i] = tvi_arena_allocate_doubles(arena, 2 * n);
-    if (workspace) *workspace = w;
-    return workspace;
+    w.q_at_end = tvi_curve_sum_allocate(&w.a.curve, arena);
+    w.v_at_end = tvi_curve_sum_allocate(&w.a.curve, arena);
+    tvi_allocate_each(arena, n * points,
+                      (double **[]){&w.y, &w.v, &w.pi, &w.dpi_ds, &w.by_y, &w.by_v, &w.by_difference, NULL});
+    w.row = tvi_arena_allocate_doubles(arena, points);
+    tvi_allocate_each(arena, 2 * n,
+                      (double **[]){&w.z_a, &w.start_correction_p, &w.increment_correction_p, &w.last_dq, &w.last_dp,
+                                    &w.scratch, NULL});
+    if (allocated) *allocated = w;
+    return allocated;
 }
 
-static void set_end_curve_tables(tvi_both_ends_workspace *w, tvi_one_end_curve *x, tvi_step_span span)
+static void set_curve_tables(const work *w, end_curve *x, tvi_step_span span)
 {
     double powers[TVI_MAX_DEGREE + 1], zeroth[TVI_MAX_DEGREE + 1] = {1};
-    for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->other_end_scaled_time, k);
-    tvi_curve_fill_constant_tables(&x->curve);
-    tvi_curve_set_summed_degrees(&x->curve, w->degree, w->degree - 1);
-    tvi_prepare_action_tables(&x->action, w->options, span);
-    tvi_combination_set_weights(&x->q_increment_weights, &x->curve, false, powers);
-    tvi_combination_set_weights(&x->scaled_p_at_expansion_point_weights, &x->curve, true, zeroth);
-    for (int node = 0; node < w->points; node++)
-        x->node_blend_weight[node] = 1 - x->other_end_scaled_time * x->action.node_scaled_time[node];
+    for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->sign, k);
+    tvi_curve_fill_tables(&x->curve);
+    tvi_curve_set_degrees(&x->curve, w->degree, w->degree - 1);
+    tvi_action_set_tables(&x->action, w->options, span);
+    tvi_curve_sum_set(&x->q_rise, &x->curve, false, powers);
+    tvi_curve_sum_set(&x->u_here, &x->curve, true, zeroth);
+    for (int node = 0; node < w->points; node++) x->blend[node] = 1 - x->sign * x->action.s[node];
 }
 
-static void prepare_stepper(void *workspace)
+static void set_tables(void *self)
 {
-    tvi_both_ends_workspace *w = workspace;
+    work *w = self;
     const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
     double ones[TVI_MAX_DEGREE + 1], slopes[TVI_MAX_DEGREE + 1];
-    tvi_newton_set_pass_rules(&w->newton, w->options, true);
-    set_end_curve_tables(w, &w->start_curve, (tvi_step_span){0, 1, 1});
-    set_end_curve_tables(w, &w->end_curve, (tvi_step_span){-1, 0, 1});
+    tvi_newton_set_rules(&w->newton, w->options, true);
+    set_curve_tables(w, &w->a, (tvi_step_span){0, 1, 1});
+    set_curve_tables(w, &w->b, (tvi_step_span){-1, 0, 1});
     for (int k = 0; k <= w->degree; k++) {
         ones[k] = 1;
         slopes[k] = k;
     }
-    tvi_combination_set_weights(&w->q_at_end_weights, &w->start_curve.curve, false, ones);
-    tvi_combination_set_weights(&w->velocity_at_end_weights, &w->start_curve.curve, hamiltonian,
-                                hamiltonian ? ones : slopes);
+    tvi_curve_sum_set(&w->q_at_end, &w->a.curve, false, ones);
+    tvi_curve_sum_set(&w->v_at_end, &w->a.curve, hamiltonian, hamiltonian ? ones : slopes);
 }
 
-/* ---- The residual ------------------------------------------------------------------------------------------------ */
+/* ---- The gradient of the action ---------------------------------------------------------------------------------- */
 
-/* Solves B^T end_condition_multiplier = R_v. B is the Jacobian of the position at the curve's other end by the velocity
- * at its own end, and R_v is the action's gradient by that velocity. */
-static tvi_status solve_for_end_condition_multiplier(const tvi_both_ends_workspace *w, tvi_one_end_curve *x,
-                                                     tvi_stats *stats)
+/* Sets row to the sum of c_k table_k at the nodes for the orders k = lowest .. degree, with c_k = c[k * stride]. */
+static void evaluate_series(const work *w, int lowest, int degree, const double *c, size_t stride, const double *table)
 {
-    const size_t n = (size_t)w->n;
-    tvi_curve_sum_combination_jacobian(&x->curve, &x->q_increment_weights, x->q_increment_jacobian);
-    for (size_t i = 0; i < n; i++)
-        memcpy(x->q_by_velocity_jacobian_lu.lu + i * n, x->q_increment_jacobian + i * 2 * n + n, n * sizeof(double));
-    memcpy(x->end_condition_multiplier, x->action_gradient_by_z + n, n * sizeof(double));
-    stats->factorisations++;
-    const tvi_status status = tvi_factor_compute(&x->q_by_velocity_jacobian_lu);
-    if (status == TVI_OK) tvi_factor_solve_transposed(&x->q_by_velocity_jacobian_lu, x->end_condition_multiplier);
-    return status;
+    for (int node = 0; node < w->points; node++) w->row[node] = 0;
+    for (int k = degree; k >= lowest; k--)
+        for (int node = 0; node < w->points; node++)
+            w->row[node] += c[(size_t)k * stride] * table[k * w->points + node];
 }
 
-/* Returns component j of (A - I)^T end_condition_multiplier, with A the Jacobian of the position at the curve's other
- * end by the position at its own end. */
-static double compute_jacobian_column_dot_multiplier(const tvi_both_ends_workspace *w, const tvi_one_end_curve *x,
-                                                     int j)
+/* Adds w a, or (1 - w) b, to out. */
+static void add_blended(const work *w, const end_curve *x, int degree, const double *c, size_t stride,
+                        const double *table, double out[])
 {
-    double sum = 0;
-    for (int i = 0; i < w->n; i++) sum += x->q_increment_jacobian[i * 2 * w->n + j] * x->end_condition_multiplier[i];
-    return sum;
+    evaluate_series(w, 0, degree, c, stride, table);
+    for (int node = 0; node < w->points; node++) out[node] += x->blend[node] * w->row[node];
 }
 
-static tvi_status compute_momentum_corrections(tvi_both_ends_workspace *w, tvi_stats *stats)
+/* Adds one curve's part to the difference out = b - a: it subtracts the terms of a, or adds those of b, from order 1
+ * on. The coefficients of order 0 nearly cancel; either curve subtracts half of their difference a_0 - b_0. */
+static void add_to_b_minus_a(const work *w, const end_curve *x, int degree, const double *c, size_t stride,
+                             double difference_0, double out[])
 {
-    tvi_status status = solve_for_end_condition_multiplier(w, &w->start_curve, stats);
-    if (status == TVI_OK) status = solve_for_end_condition_multiplier(w, &w->end_curve, stats);
-    if (status != TVI_OK) return status;
+    evaluate_series(w, 1, degree, c, stride, x->action.power.all);
+    for (int node = 0; node < w->points; node++) out[node] -= x->sign * w->row[node] + difference_0 / 2;
+}
+
+/* Adds one curve's part to component i of y, dy/ds, pi and dpi/ds. */
+static void blend_component(const work *w, const end_curve *x, int i)
+{
+    const size_t at = (size_t)i * (size_t)w->points, n = (size_t)w->n, stride = curve_stride(&x->curve);
+    const int degree = w->degree;
+    const double *Q = curve_Q(&x->curve, 0) + i, *P = x->P + i;
+    const double *power = x->action.power.all, *slope = x->action.slope.all;
+    const double Q_0_difference = curve_Q(&w->a.curve, 0)[i] - curve_Q(&w->b.curve, 0)[i],
+                 P_0_difference = w->a.P[i] - w->b.P[i];
+    add_blended(w, x, degree, Q, stride, power, w->y + at);
+    add_blended(w, x, degree, Q, stride, slope, w->v + at);
+    if (w->options->nodes == TVI_NODES_ON_CURVE) add_to_b_minus_a(w, x, degree, Q, stride, Q_0_difference, w->v + at);
+    add_blended(w, x, degree - 1, P, n, power, w->pi + at);
+    add_blended(w, x, degree - 1, P, n, slope, w->dpi_ds + at);
+    add_to_b_minus_a(w, x, degree - 1, P, n, P_0_difference, w->dpi_ds + at);
+}
+
+/* Computes R of one curve from the seeds, the derivatives of the action by each coefficient Q_k. */
+static void compute_R(const work *w, end_curve *x)
+{
+    const int n = w->n, points = w->points;
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k <= w->degree; k++) {
+            const double *power = x->action.power.all + k * points, *slope = x->action.slope.all + k * points;
+            double sum = 0;
+            for (int node = 0; node < points; node++) {
+                const int at = i * points + node;
+                const double blended = x->blend[node] * (power[node] * w->by_y[at] + slope[node] * w->by_v[at]);
+                sum += w->a.action.weight[node] * (blended + x->sign * power[node] * w->by_difference[at]);
+            }
+            x->seed_Q[k * n + i] = sum;
+        }
+    tvi_curve_multiply_seeds(&x->curve, x->seed_Q, NULL, x->R);
+}
+
+/* Computes R of both curves. Returns TVI_EDOMAIN if the field has no value at a node; if the momenta that belong to a
+ * Hamiltonian's velocities are not found, TVI_ESINGULAR, TVI_ENONFINITE or TVI_ENOCONV. */
+static tvi_status compute_gradient(work *w)
+{
+    const int count = w->n * w->points;
+    const bool on_curve = w->options->nodes == TVI_NODES_ON_CURVE;
+    double *const panels[] = {w->y, w->v, w->pi, w->dpi_ds};
+    for (int i = 0; i < 4; i++) memset(panels[i], 0, (size_t)count * sizeof *panels[i]);
+    curve_compute_P(&w->a.curve, w->degree - 1, w->a.P);
+    curve_compute_P(&w->b.curve, w->degree - 1, w->b.P);
     for (int i = 0; i < w->n; i++) {
-        const double at_a = compute_jacobian_column_dot_multiplier(w, &w->start_curve, i),
-                     at_b = compute_jacobian_column_dot_multiplier(w, &w->end_curve, i);
-        w->start_correction_p[i] =
-            -w->start_curve.action_gradient_by_z[i] + at_a +
-            (w->start_curve.end_condition_multiplier[i] - w->end_curve.end_condition_multiplier[i]);
-        w->increment_correction_p[i] =
-            w->start_curve.action_gradient_by_z[i] + w->end_curve.action_gradient_by_z[i] - at_a - at_b;
+        blend_component(w, &w->a, i);
+        blend_component(w, &w->b, i);
     }
+    for (int i = 0; i < count; i++) w->v[i] /= w->a.curve.tau;
+    w->stats->force_evaluations += w->points;
+    const tvi_status status = tvi_action_lagrangian(&w->a.action, &w->a.curve, w->y, w->v, w->pi);
+    if (status != TVI_OK) return status;
+    for (int i = 0; i < count; i++) {
+        w->by_y[i] = w->a.action.by_q[i] - (w->has_pi ? w->dpi_ds[i] : 0);
+        w->by_v[i] = w->a.action.by_v[i] + (w->has_pi ? 0 : w->pi[i]);
+        w->by_difference[i] = on_curve ? -w->by_v[i] : w->has_pi ? w->pi[i] : 0;
+    }
+    compute_R(w, &w->a);
+    compute_R(w, &w->b);
     return TVI_OK;
 }
 
-/* The step that the stepper tries to make. tvi_equations.self points to this structure, which the functions of the
- * residual read. */
-typedef struct {
-    tvi_both_ends_workspace *work;
-    const tvi_step_origin *origin;
-    double h;
-    tvi_stats *stats;
-} step_attempt;
+/* ---- The equations of the corrector ------------------------------------------------------------------------------ */
 
-static tvi_status expand_end_curve(const step_attempt *attempt, tvi_one_end_curve *x, const double z[], double centre)
+static tvi_status expand(const work *w, end_curve *x, const double z[], double centre)
 {
-    attempt->stats->expansions++;
-    curve_set_time_unit(&x->curve, attempt->h);
-    curve_set_centre_state(&x->curve, z);
+    w->stats->expansions++;
+    curve_set_tau(&x->curve, w->h);
+    curve_set_z(&x->curve, z);
     return tvi_curve_expand(&x->curve, centre);
 }
 
-static void compute_unknown_scales(void *self, double scale[])
+static void compute_scale(void *self, double scale[])
 {
-    const tvi_both_ends_workspace *w = ((const step_attempt *)self)->work;
+    const work *w = self;
     const int n = w->n;
-    tvi_curve_compute_centre_state_sizes(&w->start_curve.curve, scale);
+    tvi_curve_z_sizes(&w->a.curve, scale);
     memcpy(scale, scale + n, (size_t)n * sizeof *scale);
-    tvi_curve_compute_centre_state_sizes(&w->end_curve.curve, scale + n);
+    tvi_curve_z_sizes(&w->b.curve, scale + n);
     if (w->degree > 1) return;
     /* The size of a velocity, from the coefficients of a curve of degree 1 that starts at rest, is 0. The magnitudes of
      * the momentum corrections are therefore added to the sizes of v0 and v1. */
     for (int i = 0; i < n; i++) {
-        const double change = fabs(w->start_curve.curve.momentum_scale_factor[i]) *
-                              (fabs(w->start_correction_p[i]) + fabs(w->increment_correction_p[i]));
+        const double change =
+            fabs(w->a.curve.kappa[i]) * (fabs(w->start_correction_p[i]) + fabs(w->increment_correction_p[i]));
         scale[i] += change;
         scale[2 * n + i] += change;
     }
 }
 
-/* Computes the residual r = (a(1) - q1, b(-1) - q0, kappa (p_a(0) + start_correction_p - p0)) of the corrector. */
-static void compute_end_condition_residual(const step_attempt *attempt, const double q1[], double r[])
+/* Solves B^T l = R_v, or B^T m = R_v. */
+static tvi_status solve_for_multiplier(const work *w, end_curve *x)
 {
-    tvi_both_ends_workspace *w = attempt->work;
-    const tvi_step_origin *origin = attempt->origin;
+    const size_t n = (size_t)w->n;
+    tvi_curve_sum_jacobian(&x->curve, &x->q_rise, x->G);
+    for (size_t i = 0; i < n; i++) memcpy(x->B.lu + i * n, x->G + i * 2 * n + n, n * sizeof(double));
+    memcpy(x->multiplier, x->R + n, n * sizeof(double));
+    w->stats->factorisations++;
+    const tvi_status status = tvi_factor_compute(&x->B);
+    if (status == TVI_OK) tvi_factor_solve_transposed(&x->B, x->multiplier);
+    return status;
+}
+
+/* Returns component j of (A - I)^T l, or (A - I)^T m. */
+static double rise_of_multiplier(const work *w, const end_curve *x, int j)
+{
+    double sum = 0;
+    for (int i = 0; i < w->n; i++) sum += x->G[i * 2 * w->n + j] * x->multiplier[i];
+    return sum;
+}
+
+/* Computes r = (a(1) - q1, b(-1) - q0, kappa (p_a(0) + start_correction_p - p0)). */
+static tvi_status compute_residual(void *self, const double x[], double r[])
+{
+    work *w = self;
+    end_curve *a = &w->a, *b = &w->b;
+    const tvi_step_origin *origin = w->origin;
     const int n = w->n;
-    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.q_increment_weights, r);
-    tvi_curve_sum_combination(&w->end_curve.curve, &w->end_curve.q_increment_weights, r + n);
-    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.scaled_p_at_expansion_point_weights, r + 2 * n);
-    const double pi = w->action_has_momentum_terms ? 1 : 0;
+    const double *q1 = x + n, has_pi = w->has_pi ? 1 : 0;
+    memcpy(w->z_a, origin->q, (size_t)n * sizeof *x);
+    memcpy(w->z_a + n, x, (size_t)n * sizeof *x);
+    tvi_status status = expand(w, a, w->z_a, origin->t + origin->t_low);
+    if (status == TVI_OK) status = expand(w, b, q1, origin->t + (origin->t_low + w->h));
+    if (status != TVI_OK) return status;
+    tvi_curve_compute_jacobians(&a->curve);
+    tvi_curve_compute_jacobians(&b->curve);
+    status = compute_gradient(w);
+    if (status == TVI_OK) status = solve_for_multiplier(w, a);
+    if (status == TVI_OK) status = solve_for_multiplier(w, b);
+    if (status != TVI_OK) return status;
+    tvi_curve_sum_compute(&a->curve, &a->q_rise, r);
+    tvi_curve_sum_compute(&b->curve, &b->q_rise, r + n);
+    tvi_curve_sum_compute(&a->curve, &a->u_here, r + 2 * n);
     for (int i = 0; i < n; i++) {
-        const double kappa = w->start_curve.curve.momentum_scale_factor[i], change = q1[i] - origin->q[i];
+        const double of_l = rise_of_multiplier(w, a, i), of_m = rise_of_multiplier(w, b, i);
+        w->start_correction_p[i] = -a->R[i] + of_l + (a->multiplier[i] - b->multiplier[i]);
+        w->increment_correction_p[i] = a->R[i] + b->R[i] - of_l - of_m;
+        const double kappa = a->curve.kappa[i], change = q1[i] - origin->q[i];
         r[i] -= change - origin->q_low[i];
         r[n + i] += change - origin->q_low[i];
         r[2 * n + i] =
-            (pi * r[2 * n + i] - kappa * origin->p[i]) + kappa * (w->start_correction_p[i] - origin->p_low[i]);
+            (has_pi * r[2 * n + i] - kappa * origin->p[i]) + kappa * (w->start_correction_p[i] - origin->p_low[i]);
     }
-}
-
-static tvi_status compute_residual(void *self, const double x[], double r[])
-{
-    const step_attempt *attempt = self;
-    tvi_both_ends_workspace *w = attempt->work;
-    const tvi_step_origin *origin = attempt->origin;
-    const size_t n = (size_t)w->n;
-    memcpy(w->start_curve_z, origin->q, n * sizeof *x);
-    memcpy(w->start_curve_z + n, x, n * sizeof *x);
-    tvi_status status = expand_end_curve(attempt, &w->start_curve, w->start_curve_z, origin->t + origin->t_low);
-    if (status == TVI_OK)
-        status = expand_end_curve(attempt, &w->end_curve, x + n, origin->t + (origin->t_low + attempt->h));
-    if (status != TVI_OK) return status;
-    tvi_curve_compute_jacobians(&w->start_curve.curve);
-    tvi_curve_compute_jacobians(&w->end_curve.curve);
-    status = tvi_both_ends_compute_action_gradient(w, attempt->stats);
-    if (status == TVI_OK) status = compute_momentum_corrections(w, attempt->stats);
-    if (status != TVI_OK) return status;
-    compute_end_condition_residual(attempt, x + n, r);
     return TVI_OK;
 }
 
@@ -237,146 +321,133 @@ static tvi_status compute_residual(void *self, const double x[], double r[])
  * and its rows are B0 -I 0 ; 0 A1 B1 ; dU_a/dv0 0 0. */
 static bool compute_jacobian(void *self, double matrix[])
 {
-    const tvi_both_ends_workspace *w = ((const step_attempt *)self)->work;
-    const size_t n = (size_t)w->n, row = 3 * n;
+    const work *w = self;
+    const size_t n = (size_t)w->n, row = 3 * n, bytes = n * sizeof *matrix;
+    double *G = w->b.G;
     memset(matrix, 0, row * row * sizeof *matrix);
-    tvi_curve_sum_combination_jacobian(&w->start_curve.curve, &w->start_curve.scaled_p_at_expansion_point_weights,
-                                       w->end_curve.q_increment_jacobian);
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++)
-            matrix[(2 * n + i) * row + j] = w->end_curve.q_increment_jacobian[i * 2 * n + n + j];
-    tvi_curve_sum_combination_jacobian(&w->end_curve.curve, &w->end_curve.q_increment_weights,
-                                       w->end_curve.q_increment_jacobian);
+    tvi_curve_sum_jacobian(&w->a.curve, &w->a.u_here, G);
+    for (size_t i = 0; i < n; i++) memcpy(matrix + (2 * n + i) * row, G + i * 2 * n + n, bytes);
+    tvi_curve_sum_jacobian(&w->b.curve, &w->b.q_rise, G);
     for (size_t i = 0; i < n; i++) {
-        memcpy(matrix + i * row, w->start_curve.q_increment_jacobian + i * 2 * n + n, n * sizeof *matrix);
+        memcpy(matrix + i * row, w->a.G + i * 2 * n + n, bytes);
         matrix[i * row + n + i] = -1;
-        memcpy(matrix + (n + i) * row + n, w->end_curve.q_increment_jacobian + i * 2 * n, 2 * n * sizeof *matrix);
+        memcpy(matrix + (n + i) * row + n, G + i * 2 * n, 2 * bytes);
         matrix[(n + i) * row + n + i] += 1;
     }
     return true;
 }
 
-/* Estimates r [3n], the roundoff of the corrector's residual, from that of the field at the nodes. Its three parts of n
- * numbers are the roundoff of the position a(1) at the end of the start curve, that of the position b(-1) where the end
- * curve meets the start of the step, and that of kappa p_a(0), the momentum of the start curve at its start, multiplied
- * by the factor kappa that scales momenta. */
-static void estimate_residual_roundoff(void *self, double r[])
+/* Estimates r [3n], the roundoff of the residual, from that of the field at the nodes: that of a(1), of b(-1), and of
+ * kappa p_a(0). */
+static void estimate_roundoff(void *self, double r[])
 {
-    const step_attempt *attempt = self;
-    tvi_both_ends_workspace *w = attempt->work;
+    work *w = self;
     const int n = w->n;
     double *of_u = r + 2 * n;
-    attempt->stats->force_evaluations += tvi_estimate_end_state_roundoff(
-        &w->start_curve.action, &w->start_curve.curve, attempt->h, attempt->origin->q, attempt->origin->p, r, of_u);
+    w->stats->force_evaluations +=
+        tvi_action_end_roundoff(&w->a.action, &w->a.curve, w->h, w->origin->q, w->origin->p, r, of_u);
     memcpy(r + n, r, (size_t)n * sizeof *r);
-    for (int i = 0; i < n; i++) of_u[i] *= fabs(w->start_curve.curve.momentum_scale_factor[i]);
+    for (int i = 0; i < n; i++) of_u[i] *= fabs(w->a.curve.kappa[i]);
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
-/* Expands the start curve from (q0, p0), and predicts the end curve's centre state as the end of the start curve. */
-static tvi_status predict_unknowns(const step_attempt *attempt)
+/* Expands a from (q0, p0), and predicts z of b as its end. */
+static tvi_status predict(work *w)
 {
-    tvi_both_ends_workspace *w = attempt->work;
     const size_t n = (size_t)w->n;
-    const tvi_step_origin *origin = attempt->origin;
-    tvi_status status = tvi_legendre_compute_start(&w->legendre_transform, w->system, attempt->h, origin->t, origin->q,
-                                                   origin->p, w->velocity_guess, w->start_curve_z);
+    const tvi_step_origin *origin = w->origin;
+    tvi_status status = tvi_legendre_compute_start(&w->legendre, w->system, w->h, origin->t, origin->q, origin->p,
+                                                   w->velocity_guess, w->z_a);
     if (status != TVI_OK) return status;
-    status = expand_end_curve(attempt, &w->start_curve, w->start_curve_z, origin->t + origin->t_low);
-    memcpy(w->newton.x, w->start_curve_z + n, n * sizeof(double));
-    tvi_curve_sum_combination(&w->start_curve.curve, &w->q_at_end_weights, w->newton.x + n);
-    tvi_curve_sum_combination(&w->start_curve.curve, &w->velocity_at_end_weights, w->newton.x + 2 * n);
+    status = expand(w, &w->a, w->z_a, origin->t + origin->t_low);
+    memcpy(w->newton.x, w->z_a + n, n * sizeof(double));
+    tvi_curve_sum_compute(&w->a.curve, &w->q_at_end, w->newton.x + n);
+    tvi_curve_sum_compute(&w->a.curve, &w->v_at_end, w->newton.x + 2 * n);
     return status;
 }
 
-/* Stores the correction of each curve's centre state that has not been applied: the low-order part of q0, and the
- * corrections of v0, q1 and v1 by the last pass. */
-static void store_last_newton_dz_of_both_curves(tvi_both_ends_workspace *w, const tvi_step_origin *origin)
-{
-    const size_t n = (size_t)w->n, bytes = n * sizeof(double);
-    memcpy(w->start_curve.last_newton_dz, origin->q_low, bytes);
-    memcpy(w->start_curve.last_newton_dz + n, w->newton.correction, bytes);
-    memcpy(w->end_curve.last_newton_dz, w->newton.correction + n, 2 * bytes);
-    tvi_curve_set_product_direction(&w->start_curve.curve, w->start_curve.last_newton_dz);
-    tvi_curve_set_product_direction(&w->end_curve.curve, w->end_curve.last_newton_dz);
-}
-
-/* Computes the increments of the step, dq = a(1) - q0 and kappa dp = (U_b - U_a) + kappa increment_correction_p, with
- * U_a and U_b the scaled momenta of the curves at their own ends. The unapplied correction is added to first order. */
-static void compute_increments(tvi_both_ends_workspace *w, double dq[], double dp[])
+/* Computes dq = a(1) - q0 and kappa dp = (U_b - U_a) + kappa increment_correction_p, with U_a and U_b the scaled
+ * momenta of the curves at their own ends. The corrections that have not been applied, the low-order part of q0 and
+ * those of v0, q1 and v1 by the last pass, are added to first order. */
+static void compute_increments(work *w, double dq[], double dp[])
 {
     const int n = w->n;
-    const tvi_one_end_curve *a = &w->start_curve, *b = &w->end_curve;
-    tvi_curve_sum_combination(&a->curve, &a->q_increment_weights, dq);
-    tvi_curve_differentiate_sum_along_set_dz(&a->curve, &a->q_increment_weights, w->scratch);
+    const size_t bytes = (size_t)n * sizeof(double);
+    end_curve *a = &w->a, *b = &w->b;
+    memcpy(a->dz, w->origin->q_low, bytes);
+    memcpy(a->dz + n, w->newton.correction, bytes);
+    memcpy(b->dz, w->newton.correction + n, 2 * bytes);
+    tvi_curve_set_dz(&a->curve, a->dz);
+    tvi_curve_set_dz(&b->curve, b->dz);
+    tvi_curve_sum_compute(&a->curve, &a->q_rise, dq);
+    tvi_curve_sum_along_dz(&a->curve, &a->q_rise, w->scratch);
     for (int i = 0; i < n; i++) dq[i] += w->scratch[i];
-    tvi_curve_sum_combination(&b->curve, &b->scaled_p_at_expansion_point_weights, dp);
-    tvi_curve_sum_combination(&a->curve, &a->scaled_p_at_expansion_point_weights, w->scratch);
-    for (int i = 0; i < n; i++) dp[i] = w->action_has_momentum_terms ? dp[i] - w->scratch[i] : 0;
-    tvi_curve_differentiate_sum_along_set_dz(&b->curve, &b->scaled_p_at_expansion_point_weights, w->scratch);
+    tvi_curve_sum_compute(&b->curve, &b->u_here, dp);
+    tvi_curve_sum_compute(&a->curve, &a->u_here, w->scratch);
+    for (int i = 0; i < n; i++) dp[i] = w->has_pi ? dp[i] - w->scratch[i] : 0;
+    tvi_curve_sum_along_dz(&b->curve, &b->u_here, w->scratch);
     for (int i = 0; i < n; i++) dp[i] += w->scratch[i];
-    tvi_curve_differentiate_sum_along_set_dz(&a->curve, &a->scaled_p_at_expansion_point_weights, w->scratch);
-    for (int i = 0; i < n; i++)
-        dp[i] = (dp[i] - w->scratch[i]) / a->curve.momentum_scale_factor[i] + w->increment_correction_p[i];
+    tvi_curve_sum_along_dz(&a->curve, &a->u_here, w->scratch);
+    for (int i = 0; i < n; i++) dp[i] = (dp[i] - w->scratch[i]) / a->curve.kappa[i] + w->increment_correction_p[i];
 }
 
-static tvi_status step_both_ends(void *workspace, double h, const tvi_step_origin *origin,
-                                 const tvi_increments *increments, tvi_stats *stats)
+static tvi_status make_step(void *self, double h, const tvi_step_origin *origin, const tvi_increments *increments,
+                            tvi_stats *stats)
 {
-    tvi_both_ends_workspace *w = workspace;
+    work *w = self;
     const size_t bytes = (size_t)w->n * sizeof *increments->dq;
-    step_attempt attempt = {w, origin, h, stats};
-    const tvi_equations equations = {.self = &attempt,
+    const tvi_equations equations = {.self = w,
                                      .residual = compute_residual,
-                                     .scale = compute_unknown_scales,
+                                     .scale = compute_scale,
                                      .jacobian = compute_jacobian,
-                                     .roundoff = estimate_residual_roundoff};
-    tvi_status status = predict_unknowns(&attempt);
+                                     .roundoff = estimate_roundoff};
+    w->origin = origin;
+    w->h = h;
+    w->stats = stats;
+    tvi_status status = predict(w);
     if (status == TVI_OK) status = tvi_newton_solve(&w->newton, &equations, stats);
     if (status != TVI_OK) return status;
-    store_last_newton_dz_of_both_curves(w, origin);
     compute_increments(w, increments->dq, increments->dp);
-    memcpy(w->last_step_dq, increments->dq, bytes);
-    memcpy(w->last_step_dp, increments->dp, bytes);
-    tvi_curve_compute_displacement_sizes(&w->start_curve.curve);
-    tvi_curve_compute_displacement_sizes(&w->end_curve.curve);
-    stats->tail = fmax(tvi_curve_compute_tail(&w->start_curve.curve), tvi_curve_compute_tail(&w->end_curve.curve));
+    memcpy(w->last_dq, increments->dq, bytes);
+    memcpy(w->last_dp, increments->dp, bytes);
+    tvi_curve_compute_sizes(&w->a.curve);
+    tvi_curve_compute_sizes(&w->b.curve);
+    stats->tail = fmax(tvi_curve_tail(&w->a.curve), tvi_curve_tail(&w->b.curve));
     return TVI_OK;
 }
 
 /* Adds weight (q(s) - q(0)) of the curve to dq, and weight (p(s) - p(0)) to dp. */
-static void add_weighted_curve_increments(tvi_both_ends_workspace *w, tvi_one_end_curve *x, double s, double weight,
-                                          double dq[], double dp[])
+static void add_weighted_increments(work *w, end_curve *x, double s, double weight, double dq[], double dp[])
 {
-    tvi_combination_set_power_weights(&x->dense_output_q_weights, &x->curve, false, w->degree, 1, s, -1, 0);
-    tvi_combination_set_power_weights(&x->dense_output_scaled_p_weights, &x->curve, true, w->degree - 1, 1, s, -1, 0);
-    tvi_curve_sum_combination(&x->curve, &x->dense_output_q_weights, w->scratch);
+    tvi_curve_sum_set_powers(&x->dense_q, &x->curve, false, w->degree, 1, s, -1, 0);
+    tvi_curve_sum_set_powers(&x->dense_u, &x->curve, true, w->degree - 1, 1, s, -1, 0);
+    tvi_curve_sum_compute(&x->curve, &x->dense_q, w->scratch);
     for (int i = 0; i < w->n; i++) dq[i] += weight * w->scratch[i];
-    tvi_curve_sum_combination(&x->curve, &x->dense_output_scaled_p_weights, w->scratch);
-    for (int i = 0; i < w->n; i++) dp[i] += weight * w->scratch[i] / x->curve.momentum_scale_factor[i];
+    tvi_curve_sum_compute(&x->curve, &x->dense_u, w->scratch);
+    for (int i = 0; i < w->n; i++) dp[i] += weight * w->scratch[i] / x->curve.kappa[i];
 }
 
-/* Computes the increments at the fraction theta of the step, by a blend of the curves: the start curve has weight 1 -
- * theta, and the end curve, which is measured from the end of the step, has weight theta. */
-static void compute_dense_output(void *workspace, double theta, double dq[], double dp[])
+/* Computes the increments at the fraction theta of the step, by a blend of the curves: a has weight 1 - theta, and b,
+ * which is measured from the end of the step, has weight theta. */
+static void compute_dense_output(void *self, double theta, double dq[], double dp[])
 {
-    tvi_both_ends_workspace *w = workspace;
+    work *w = self;
     for (int i = 0; i < w->n; i++) {
-        dq[i] = theta * w->last_step_dq[i];
-        dp[i] = theta * w->last_step_dp[i];
+        dq[i] = theta * w->last_dq[i];
+        dp[i] = theta * w->last_dp[i];
     }
-    add_weighted_curve_increments(w, &w->start_curve, theta, 1 - theta, dq, dp);
-    add_weighted_curve_increments(w, &w->end_curve, theta - 1, theta, dq, dp);
+    add_weighted_increments(w, &w->a, theta, 1 - theta, dq, dp);
+    add_weighted_increments(w, &w->b, theta - 1, theta, dq, dp);
 }
 
-static tvi_tapes_of_steps find_used_tapes(const tvi_system *system, const tvi_options *options)
+static tvi_tapes_of_steps list_tapes(const tvi_system *system, const tvi_options *options)
 {
-    return tvi_curve_find_used_tapes(system, options, options->quadrature_points, TVI_JACOBIAN_MATRICES);
+    return tvi_curve_list_tapes(system, options, options->quadrature_points, TVI_JACOBIAN_MATRICES);
 }
 
-const tvi_stepper tvi_stepper_both_ends = {.allocate = allocate_stepper,
-                                           .set_tables = prepare_stepper,
-                                           .step = step_both_ends,
+const tvi_stepper tvi_stepper_both_ends = {.allocate = allocate,
+                                           .set_tables = set_tables,
+                                           .step = make_step,
                                            .interpolate = compute_dense_output,
-                                           .list_tapes = find_used_tapes};
+                                           .list_tapes = list_tapes};

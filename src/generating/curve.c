@@ -1,161 +1,292 @@
-/* curve.c - expands a Taylor curve: it solves the equations of motion by a recurrence for the coefficients. Steppers
- * call it in each pass (docs/method.md section 2):
+/* curve.c - expands a Taylor curve: it solves the equations of motion by a recurrence for the coefficients, and for
+ * their tangents, and sums them. Steppers call it in each pass (docs/method.md section 2):
  *
  *     separable    (k+1)(k+2) Q_{k+2} = tau^2 M^-1 [s^k] F
- *
- *     Lagrangian   (k+1) [s^{k+1}] L_v = tau [s^k] L_q, solved for the velocity's coefficient k+1 with L_vv at
- *         the centre
- *
+ *     Lagrangian   (k+1) [s^{k+1}] L_v = tau [s^k] L_q, solved for V_{k+1} with L_vv at the centre
  *     Hamiltonian  (k+1) Q_{k+1} = tau [s^k] H_p,  (k+1) P_{k+1} = -tau [s^k] H_q
  *
- * Here [s^k] x is the coefficient of s^k in the series of x. The field is evaluated as a power series along the curve,
- * one order after the other. */
-#include "generating/curve_stepper.h"
-#include "generating/orders.h"
-#include "generating/step_size.h"
+ * Here [s^k] x is the coefficient of s^k in the series of x, and V_k that of the velocity. The field is evaluated as a
+ * power series along the curve, one order after the other. Coefficients are divided by k, and not multiplied by tau /
+ * k, which would have the same roundoff in every step, so that the energy would drift (docs/method.md section 6). For
+ * this reason tau^2 / m is computed as kappa tau. */
+#include "generating/curve.h"
+#include "algebra/tail.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Allocates the blocks of tangents and adjoints, the Jacobians, and the velocity Hessian with its scratch. */
-static void allocate_tangents_and_hessian(tvi_curve *curve, tvi_arena *arena)
-{
-    const tvi_system *system = curve->system;
-    const size_t orders = (size_t)curve->highest_order + 1, n = (size_t)curve->n, jacobian = orders * n * 2 * n,
-                 slots = (size_t)system->field_series->slot_count,
-                 tangent_lanes = (size_t)tvi_choose_tangent_lane_count(system);
-    if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS) {
-        curve->tangent_block = tvi_arena_allocate_doubles(arena, orders * slots);
-        curve->adjoint_block = tvi_arena_allocate_doubles(arena, orders * slots);
-    }
-    if (curve->jacobian_method == TVI_JACOBIAN_MATRICES) {
-        curve->tangent_block = tvi_arena_allocate_doubles(arena, orders * slots * tangent_lanes);
-        curve->product_direction = tvi_arena_allocate_doubles(arena, 2 * n);
-        curve->dQ_dz = tvi_arena_allocate_doubles(arena, jacobian);
-        curve->product_with_dU_dz = tvi_arena_allocate_doubles(arena, 2 * n);
-        curve->combination_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * n);
-        curve->dU_dz = system->form == TVI_SEPARABLE ? NULL : tvi_arena_allocate_doubles(arena, jacobian);
-    }
-    if (system->form != TVI_SEPARABLE) {
-        tvi_factor_allocate(&curve->velocity_hessian, arena, system->n);
-        curve->slot_derivatives_by_velocity = tvi_arena_allocate_doubles(arena, slots * n);
-        curve->velocity_right_sides = tvi_arena_allocate_doubles(arena, n * tangent_lanes);
-        curve->right_side_column = tvi_arena_allocate_doubles(arena, n);
-    }
-}
-
 void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int highest_order,
                         tvi_jacobians jacobians)
 {
-    const size_t orders = (size_t)highest_order + 1, n = (size_t)system->n;
-    memset(curve, 0, sizeof *curve);
-    curve->system = system;
-    curve->jacobian_method = jacobians;
-    curve->n = system->n;
-    curve->highest_order = highest_order;
-    curve->momentum_scale_factor = tvi_arena_allocate_doubles(arena, n);
-    curve->displacement_size = tvi_arena_allocate_doubles(arena, n);
-    curve->momentum_size = tvi_arena_allocate_doubles(arena, n);
-    curve->motion_share_for_tail = tvi_arena_allocate_doubles(arena, n);
-    curve->last_term_ratio_for_tail = tvi_arena_allocate_doubles(arena, n);
-    curve->displacement_size_weights = tvi_combination_allocate(curve, arena);
-    curve->momentum_size_weights = tvi_combination_allocate(curve, arena);
-    curve->reciprocal_integer = tvi_arena_allocate_doubles(arena, orders + 1);
-    curve->log_integer = tvi_arena_allocate_doubles(arena, orders + 1);
-    curve->series_block = tvi_arena_allocate_block(arena, system->field_series, highest_order + 1, 1, 0);
-    allocate_tangents_and_hessian(curve, arena);
+    const size_t orders = (size_t)highest_order + 1, n = (size_t)system->n,
+                 slots = (size_t)system->field_series->slot_count,
+                 lanes = 2 * n < CURVE_TANGENT_DIRECTIONS ? 2 * n : CURVE_TANGENT_DIRECTIONS;
+    *curve = (tvi_curve){.system = system, .jacobians = jacobians, .n = system->n, .highest_order = highest_order};
+    tvi_allocate_each(
+        arena, n,
+        (double **[]){&curve->kappa, &curve->dq_size, &curve->u_size, &curve->tail_share, &curve->tail_ratio, NULL});
+    tvi_allocate_each(arena, orders + 1, (double **[]){&curve->one_over, &curve->log_of, NULL});
+    curve->q_size_sum = tvi_curve_sum_allocate(curve, arena);
+    curve->u_size_sum = tvi_curve_sum_allocate(curve, arena);
+    curve->series = tvi_arena_allocate_block(arena, system->field_series, highest_order + 1, 1, 0);
+    if (jacobians == TVI_JACOBIAN_PRODUCTS)
+        tvi_allocate_each(arena, orders * slots, (double **[]){&curve->tangents, &curve->adjoints, NULL});
+    if (jacobians == TVI_JACOBIAN_MATRICES) {
+        curve->tangents = tvi_arena_allocate_doubles(arena, orders * slots * lanes);
+        tvi_allocate_each(arena, 2 * n, (double **[]){&curve->dz, &curve->U_product, NULL});
+        curve->sum_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * n);
+        curve->dQ_dz = tvi_arena_allocate_doubles(arena, orders * n * 2 * n);
+        if (system->form != TVI_SEPARABLE) curve->dU_dz = tvi_arena_allocate_doubles(arena, orders * n * 2 * n);
+    }
+    if (system->form == TVI_SEPARABLE) return;
+    tvi_factor_allocate(&curve->L_vv, arena, system->n);
+    curve->slots_by_v = tvi_arena_allocate_doubles(arena, slots * n);
+    curve->right_sides = tvi_arena_allocate_doubles(arena, n * lanes);
+    curve->column = tvi_arena_allocate_doubles(arena, n);
 }
 
-void tvi_curve_fill_constant_tables(tvi_curve *curve)
+void tvi_curve_fill_tables(tvi_curve *curve)
 {
-    for (int i = 0; i < curve->n; i++) curve->momentum_scale_factor[i] = 1;
+    for (int i = 0; i < curve->n; i++) curve->kappa[i] = 1;
     for (int k = 1; k <= curve->highest_order + 1; k++) {
-        curve->reciprocal_integer[k] = 1.0 / k;
-        curve->log_integer[k] = log(k);
+        curve->one_over[k] = 1.0 / k;
+        curve->log_of[k] = log(k);
     }
 }
 
-/* ---- Combinations ------------------------------------------------------------------------------------------------ */
+/* ---- Lagrangians: order k in three steps ------------------------------------------------------------------------- */
 
-tvi_coefficient_combination tvi_combination_allocate(const tvi_curve *curve, tvi_arena *arena)
+/* First the field is computed with V_k = 0, which omits the term L_vv V_k of [s^k] L_v. Then the equations are solved
+ * for V_k. Last, each slot of the order gets its missing term: its derivatives by the velocity at the centre, which are
+ * the same for all orders, times V_k. Tangents have the same recurrence, in `lanes` directions. */
+
+/* Returns the first slot that the tape computes; before it are the inputs, the time and the constants. */
+static int first_computed_slot(const tvi_system *system)
 {
-    return (tvi_coefficient_combination){false, tvi_arena_allocate_doubles(arena, (size_t)curve->highest_order + 1)};
+    return system->input_count + system->uses_time + system->field_series->constant_count;
 }
 
-void tvi_combination_set_weights(tvi_coefficient_combination *combination, const tvi_curve *curve, bool of_momentum,
-                                 const double weight[])
+tvi_status tvi_curve_factor_L_vv(tvi_curve *curve)
 {
-    /* The scaled momentum of a separable system has the coefficients U_k = (k+1) Q_{k+1}: the weight of Q_k is k times
-     * that of U_{k-1}. */
-    const bool shifts = of_momentum && curve->system->form == TVI_SEPARABLE;
-    combination->is_of_momentum = of_momentum && !shifts;
-    combination->order_weight[0] = shifts ? 0 : weight[0];
-    for (int k = 1; k <= curve->highest_order; k++)
-        combination->order_weight[k] = shifts ? k * weight[k - 1] : weight[k];
+    const tvi_system *system = curve->system;
+    const int n = curve->n, *output = system->field_series->output_slot;
+    double *by_v = curve->slots_by_v;
+    memset(by_v, 0, (size_t)(first_computed_slot(system) * n) * sizeof *by_v);
+    for (int i = 0; i < n; i++) by_v[(n + i) * n + i] = 1;
+    jet_sweep_tangents(system->field_series, curve->series, by_v, 0, n);
+    for (int i = 0; i < n; i++) memcpy(curve->L_vv.lu + i * n, by_v + output[n + i] * n, (size_t)n * sizeof *by_v);
+    return tvi_factor_compute(&curve->L_vv);
 }
 
-void tvi_combination_set_power_weights(tvi_coefficient_combination *combination, const tvi_curve *curve,
-                                       bool of_momentum, int degree, double a, double s_a, double b, double s_b)
+/* Sets Q_k = tau V_{k-1} / k, and V_k = 0. */
+static void set_lagrangian_Q(const tvi_curve *curve, int k, int lanes, const double *previous, double *restrict order)
 {
-    double weight[TVI_MAX_DEGREE + 2] = {0};
-    for (int k = 0; k <= degree; k++) weight[k] = a * pow(s_a, k) + b * pow(s_b, k);
-    tvi_combination_set_weights(combination, curve, of_momentum, weight);
+    const int count = curve->n * lanes;
+    for (int i = 0; i < count; i++) {
+        order[i] = curve->tau * previous[count + i] / k;
+        order[count + i] = 0;
+    }
 }
 
-/* ---- The series -------------------------------------------------------------------------------------------------- */
+#define ADD_VELOCITY(V, S)                                                                                             \
+    {                                                                                                                  \
+        V sum = JET_OF(V, row, 0);                                                                                     \
+        for (int i = 0; i < n; i++) sum += by_v[i] * JET_OF(V, V_k, i);                                                \
+        JET_AT(V, row, 0) = sum;                                                                                       \
+    }
 
-tvi_status tvi_curve_factor_velocity_hessian(tvi_curve *curve)
+/* Solves L_vv V_k = tau [s^{k-1}] L_q / k - [s^k] L_v, and adds to all slots of the order their terms with V_k. */
+static void solve_for_velocity(const tvi_curve *curve, int k, int lanes, const double *previous, double *order)
 {
-    orders_differentiate_slots_by_velocity(curve);
-    orders_copy_velocity_hessian(curve);
-    return tvi_factor_compute(&curve->velocity_hessian);
+    const int n = curve->n, slots = (int)curve_stride(curve), *output = curve->system->field_series->output_slot;
+    const size_t stride = (size_t)lanes;
+    double *V_k = order + n * lanes, *column = curve->column;
+    for (int i = 0; i < n; i++) {
+        const double *L_q = previous + output[i] * lanes, *L_v = order + output[n + i] * lanes;
+        for (int lane = 0; lane < lanes; lane++)
+            curve->right_sides[i * lanes + lane] = curve->tau * L_q[lane] / k - L_v[lane];
+    }
+    for (int lane = 0; lane < lanes; lane++) {
+        for (int i = 0; i < n; i++) column[i] = curve->right_sides[i * lanes + lane];
+        tvi_factor_solve(&curve->L_vv, column);
+        for (int i = 0; i < n; i++) V_k[i * lanes + lane] = column[i];
+    }
+    if (k == curve->highest_order) return;
+    for (int slot = first_computed_slot(curve->system); slot < slots; slot++) {
+        const double *by_v = curve->slots_by_v + slot * n;
+        double *row = order + slot * lanes;
+        JET_BLOCKS(lanes, ADD_VELOCITY, );
+    }
 }
+
+static tvi_status expand_lagrangian(tvi_curve *curve)
+{
+    const size_t stride = curve_stride(curve);
+    const jet_tape *tape = curve->system->field_series;
+    double *order = curve->series;
+    if (!jet_sweep_series(tape, curve->series, 0, 1)) return TVI_EDOMAIN;
+    const tvi_status status = tvi_curve_factor_L_vv(curve);
+    for (int k = 1; k <= curve->highest_order && status == TVI_OK; k++) {
+        order += stride;
+        set_lagrangian_Q(curve, k, 1, order - stride, order);
+        (void)jet_sweep_series(tape, curve->series, k, 1);
+        solve_for_velocity(curve, k, 1, order - stride, order);
+    }
+    return status;
+}
+
+/* ---- Separable systems and Hamiltonians -------------------------------------------------------------------------- */
+
+/* Both store whole vectors, since the next orders load whole vectors: a load that covers several short stores has to
+ * wait for the cache. */
+#define SET_SEPARABLE(V, S) JET_AT(V, q, 0) = JET_OF(V, kappa, 0) * JET_GATHER(V, field, output + here) * tau / divisor;
+#define SET_HAMILTONIAN(V, S)                                                                                          \
+    {                                                                                                                  \
+        JET_AT(V, q, 0) = JET_GATHER(V, field, output + n + here) * tau / divisor;                                     \
+        JET_AT(V, p, 0) = JET_GATHER(V, field, output + here) * -tau / divisor;                                        \
+    }
 
 tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
 {
-    curve_set_centre_time(curve, centre, 0, 0);
-    const tvi_status status = curve_expand_series(curve);
-    return status != TVI_OK || curve_has_finite_coefficients(curve) ? status : TVI_ENONFINITE;
+    enum { stride = 0 };
+    const tvi_system *system = curve->system;
+    const tvi_form form = system->form;
+    const int n = curve->n, orders_ahead = form == TVI_SEPARABLE ? 2 : 1, *output = system->field_series->output_slot;
+    const double tau = curve->tau, *kappa = curve->kappa;
+    tvi_status status = TVI_OK;
+    if (system->uses_time) {
+        curve_Q(curve, 0)[system->input_count] = centre;
+        if (curve->highest_order > 0) curve_Q(curve, 1)[system->input_count] = tau;
+    }
+    if (form == TVI_LAGRANGIAN) status = expand_lagrangian(curve);
+    for (int k = 0; k + orders_ahead <= curve->highest_order && form != TVI_LAGRANGIAN; k++) {
+        const double divisor = form == TVI_SEPARABLE ? (k + 1) * (k + 2) : k + 1, *field = curve_Q(curve, k);
+        double *q = curve_Q(curve, k + orders_ahead), *p = q + n;
+        if (!jet_sweep_series(system->field_series, curve->series, k, 1)) status = TVI_EDOMAIN;
+        if (form == TVI_SEPARABLE) JET_BLOCKS(n, SET_SEPARABLE, );
+        else JET_BLOCKS(n, SET_HAMILTONIAN, );
+    }
+    if (status != TVI_OK) return status;
+    return tvi_rows_are_finite(curve->highest_order + 1, curve_stride(curve), system->input_count, curve->series)
+               ? TVI_OK
+               : TVI_ENONFINITE;
 }
 
-/* ---- Sums over the coefficients ---------------------------------------------------------------------------------- */
+/* ---- Tangents ---------------------------------------------------------------------------------------------------- */
 
-void tvi_curve_compute_centre_state_sizes(const tvi_curve *curve, double size[])
+#define SET_TANGENT(V, S) JET_AT(V, next, 0) = factor * JET_OF(V, field, 0);
+
+/* Sets next = factor field, of one component's tangents. */
+static void set_tangent_row(int lanes, double factor, const double *field, double *next)
 {
-    curve_compute_centre_state_sizes(curve, size);
+    enum { stride = 0 };
+    JET_BLOCKS(lanes, SET_TANGENT, );
 }
 
-void tvi_curve_sum_combination(const tvi_curve *curve, const tvi_coefficient_combination *combination, double out[])
+void tvi_curve_expand_tangents(tvi_curve *curve, int lanes)
 {
-    curve_sum_combination(curve, combination, out);
+    const tvi_system *system = curve->system;
+    const tvi_form form = system->form;
+    const int n = curve->n, *output = system->field_series->output_slot;
+    const int orders_ahead = form == TVI_SEPARABLE ? 2 : form == TVI_HAMILTONIAN ? 1 : 0;
+    const size_t stride = curve_stride(curve) * (size_t)lanes;
+    for (int k = 0; k + orders_ahead <= curve->highest_order; k++) {
+        double *order = curve->tangents + (size_t)k * stride, *next = order + (size_t)orders_ahead * stride;
+        if (form == TVI_LAGRANGIAN && k > 0) set_lagrangian_Q(curve, k, lanes, order - stride, order);
+        jet_sweep_tangents(system->field_series, curve->series, curve->tangents, k, lanes);
+        if (form == TVI_LAGRANGIAN && k > 0) solve_for_velocity(curve, k, lanes, order - stride, order);
+        for (int i = 0; i < n && form == TVI_SEPARABLE; i++)
+            set_tangent_row(lanes, curve->kappa[i] * (curve->tau / ((k + 1) * (k + 2))), order + output[i] * lanes,
+                            next + i * lanes);
+        for (int i = 0; i < n && form == TVI_HAMILTONIAN; i++) {
+            set_tangent_row(lanes, curve->tau / (k + 1), order + output[n + i] * lanes, next + i * lanes);
+            set_tangent_row(lanes, -(curve->tau / (k + 1)), order + output[i] * lanes, next + (n + i) * lanes);
+        }
+    }
 }
 
-void tvi_curve_set_summed_degrees(tvi_curve *curve, int q_degree, int p_degree)
+/* ---- Sums of the coefficients ------------------------------------------------------------------------------------ */
+
+tvi_curve_sum tvi_curve_sum_allocate(const tvi_curve *curve, tvi_arena *arena)
+{
+    return (tvi_curve_sum){false, tvi_arena_allocate_doubles(arena, (size_t)curve->highest_order + 1)};
+}
+
+void tvi_curve_sum_set(tvi_curve_sum *sum, const tvi_curve *curve, bool of_U, const double weight[])
+{
+    /* Of a separable system U_{k-1} = k Q_k. */
+    const bool shifts = of_U && curve->system->form == TVI_SEPARABLE;
+    sum->is_of_U = of_U && !shifts;
+    sum->weight[0] = shifts ? 0 : weight[0];
+    for (int k = 1; k <= curve->highest_order; k++) sum->weight[k] = shifts ? k * weight[k - 1] : weight[k];
+}
+
+void tvi_curve_sum_set_powers(tvi_curve_sum *sum, const tvi_curve *curve, bool of_U, int degree, double a, double s_a,
+                              double b, double s_b)
+{
+    double weight[TVI_MAX_DEGREE + 2] = {0};
+    for (int k = 0; k <= degree; k++) weight[k] = a * pow(s_a, k) + b * pow(s_b, k);
+    tvi_curve_sum_set(sum, curve, of_U, weight);
+}
+
+void tvi_curve_sum_compute(const tvi_curve *curve, const tvi_curve_sum *sum, double out[])
+{
+    curve_sum_by(tvi_add_weighted_rows, curve, sum, out);
+}
+
+void tvi_curve_z_sizes(const tvi_curve *curve, double size[])
+{
+    const int n = curve->n;
+    const bool hamiltonian = curve->system->form == TVI_HAMILTONIAN;
+    memset(size, 0, 2 * (size_t)n * sizeof *size);
+    for (int k = curve->highest_order; k >= 0; k--) {
+        const double *Q = curve_Q(curve, k), *second = hamiltonian ? Q + n : Q;
+        for (int i = 0; i < n; i++) {
+            size[i] += fabs(Q[i]);
+            if (k > 0 || hamiltonian) size[n + i] += fabs(second[i]);
+        }
+    }
+}
+
+/* ---- The tail ---------------------------------------------------------------------------------------------------- */
+
+void tvi_curve_set_degrees(tvi_curve *curve, int q_degree, int p_degree)
 {
     double weight[TVI_MAX_DEGREE + 2] = {0};
     curve->q_degree = q_degree;
     curve->p_degree = p_degree;
     for (int k = 0; k <= q_degree; k++) weight[k] = k;
-    tvi_combination_set_weights(&curve->displacement_size_weights, curve, false, weight);
+    tvi_curve_sum_set(&curve->q_size_sum, curve, false, weight);
     for (int k = p_degree + 1; k <= q_degree; k++) weight[k] = 0;
     weight[0] = 1;
-    tvi_combination_set_weights(&curve->momentum_size_weights, curve, true, weight);
+    tvi_curve_sum_set(&curve->u_size_sum, curve, true, weight);
 }
 
-void tvi_curve_compute_displacement_sizes(const tvi_curve *curve) { curve_compute_displacement_sizes(curve); }
-
-double tvi_curve_compute_tail(const tvi_curve *curve) { return curve_compute_tail(curve); }
-
-/* ---- Steps of adapted size --------------------------------------------------------------------------------------- */
-
-double tvi_curve_estimate_largest_usable_s(const tvi_curve *curve, double log_tolerance)
+void tvi_curve_compute_sizes(const tvi_curve *curve)
 {
-    return curve_estimate_largest_usable_s(curve, log_tolerance);
+    curve_sum_by(tvi_add_weighted_magnitudes, curve, &curve->q_size_sum, curve->dq_size);
+    curve_sum_by(tvi_add_weighted_magnitudes, curve, &curve->u_size_sum, curve->u_size);
 }
 
-void tvi_curve_rescale_and_sum(tvi_curve *curve, double factor, double dq[], double du[])
+double tvi_curve_tail(const tvi_curve *curve)
 {
-    tvi_choose_curve_isa_functions(curve->system->field_series)->rescale_and_sum(curve, factor, dq, du);
+    const tvi_system *system = curve->system;
+    const int q_degree = curve->q_degree, p_degree = curve->p_degree;
+    if (p_degree < 2) return 0;
+    for (int i = 0; i < curve->n; i++) {
+        /* The last terms of u and q; that of q counts where no masses give it. */
+        const double u_last = p_degree * fabs(curve_U(curve, p_degree, i)),
+                     q_last = system->form == TVI_SEPARABLE ? 0 : q_degree * fabs(curve_Q(curve, q_degree)[i]);
+        const tvi_component_sizes_in_step component = {
+            .momentum_size = curve->u_size[i],
+            .q_change_size = curve->dq_size[i],
+            .p_change_by_last_term = u_last,
+            .q_change_by_last_term = q_last,
+            .coordinate_size = fabs(curve_Q(curve, 0)[i]),
+            .one_over_momentum_size = 1 / tvi_larger(curve->u_size[i], TVI_LEAST_SIZE),
+            .one_over_q_change_size = 1 / tvi_larger(curve->dq_size[i], TVI_LEAST_SIZE)};
+        curve->tail_share[i] = tvi_component_motion_share(&component, system->has_tail_shares_without_momenta);
+        curve->tail_ratio[i] = tvi_component_last_term_ratio(&component);
+    }
+    return tvi_compute_tail(&system->tail_subsystems, curve->n, curve->tail_share, curve->tail_ratio);
 }
-
-double tvi_curve_bound_energy_change(const tvi_curve *curve) { return curve_bound_energy_change(curve); }

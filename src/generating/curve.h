@@ -1,94 +1,213 @@
-/* curve.h - declares the Taylor curve at a centre and its Jacobians with respect to the centre state; steppers and
- * solvers call these functions.
+/* curve.h - declares a Taylor curve about a centre, the sums of its coefficients, and their Jacobians by the state z at
+ * the centre. Steppers and solvers call these functions (docs/method.md section 2).
  *
  * Time is scaled: t = centre + tau s, and
- *     q(t) = sum_k Q_k s^k,        p(t) = sum_k U_k s^k / kappa,
+ *     q(t) = sum_k Q_k s^k,        p(t) = sum_k P_k s^k,        U_k = kappa P_k,
  * so that all Q_k are of one size. For a separable system kappa = tau/m, U_k = (k+1) Q_{k+1} and all coefficients are
- * in the unit of q (kappa has the sign of tau); for other systems kappa = 1. The centre state z (2n numbers) consists
- * of the coordinates q at the centre, and of tau v for a Lagrangian, otherwise of kappa p. */
+ * in the unit of q (kappa has the sign of tau); for other systems kappa = 1. The state z (2n numbers) consists of the
+ * coordinates q at the centre, and of tau v for a Lagrangian, otherwise of kappa p. */
 #ifndef TVI_SRC_GENERATING_CURVE_H
 #define TVI_SRC_GENERATING_CURVE_H
 
-#include "compiled/code.h"
-#include "generating/series.h"
+#include "algebra/linear_small.h"
+#include "algebra/sizes.h"
+#include "algebra/weigh.h"
+#include "measured.h"
 #include "method/stepper.h"
+#include "system/system.h"
+
+/* How the Jacobians of a curve are used: not at all; as matrices, from tangents in all 2n directions; or only in
+ * products with vectors, each by one adjoint or one tangent sweep, whose cost is a small multiple of the expansion's
+ * for any n. */
+typedef enum { TVI_NO_JACOBIANS, TVI_JACOBIAN_MATRICES, TVI_JACOBIAN_PRODUCTS } tvi_jacobians;
+
+/* A weighted sum of the curve's coefficients, sum_k weight_k Q_k or sum_k weight_k U_k. */
+typedef struct {
+    bool is_of_U;   /* of the U_k; those of a separable system are Q_k, too */
+    double *weight; /* [highest_order + 1] */
+} tvi_curve_sum;
+
+typedef struct {
+    const tvi_system *system;
+    tvi_jacobians jacobians;
+    int n, highest_order;      /* the number of coordinates, and the highest order of Q that is computed */
+    int q_degree, p_degree;    /* the degrees to which q and p are summed */
+    double tau;                /* the unit of time */
+    double *kappa;             /* [n] the factor that scales the momentum */
+    double *series;            /* the block of the field's series, orders 0 .. highest_order */
+    double *tangents;          /* the tangents of all slots in up to CURVE_TANGENT_DIRECTIONS directions of z */
+    int cleared_lanes;         /* the number of lanes with which the tangents were last cleared; 0: never */
+    double *adjoints;          /* the adjoints of all slots in all orders; only for products */
+    double *dQ_dz, *dU_dz;     /* [highest_order + 1][n][2n] dQ_k/dz and dU_k/dz; dU_dz is NULL if separable */
+    double *dz;                /* [2n] the direction of tvi_curve_set_dz */
+    double *U_product;         /* [2n] scratch: sum_k (dU_k/dz)^T seed_k */
+    double *sum_jacobian;      /* [n][2n] scratch: the Jacobian of a sum */
+    double *one_over, *log_of; /* [highest_order + 2] 1 / k and log k */
+    tvi_curve_sum q_size_sum, u_size_sum;
+    double *dq_size, *u_size;        /* [n] sum_k k |Q_k|, and |U_0| + sum_k k |U_k| */
+    double *tail_share, *tail_ratio; /* [n] scratch of the tail: shares of the motion, and ratios of the last term */
+    tvi_lu_factor L_vv;              /* L_vv or H_pp at the centre; unused if separable */
+    double *slots_by_v;              /* [slots][n] the derivatives of all slots by v, or p, at the centre */
+    double *right_sides, *column;    /* scratch for solving with L_vv: [n][lanes], and one column [n] */
+} tvi_curve;
+
+/* Allocates `size` numbers for each of these fields, up to NULL. */
+static inline void tvi_allocate_each(tvi_arena *arena, size_t size, double **const field[])
+{
+    for (; *field; field++) **field = tvi_arena_allocate_doubles(arena, size);
+}
+
+/* ---- The coefficients -------------------------------------------------------------------------------------------- */
+
+/* Returns the distance, in numbers, from one order of the series' block to the next: its slots. */
+static inline size_t curve_stride(const tvi_curve *curve) { return (size_t)curve->system->field_series->slot_count; }
+
+/* Returns the inputs of the field at order k: Q_k, then the velocity of a Lagrangian or the momentum of a
+ * Hamiltonian, and the time. */
+static inline double *curve_Q(const tvi_curve *curve, int k) { return curve->series + (size_t)k * curve_stride(curve); }
+
+/* Returns U_k of component i. */
+static inline double curve_U(const tvi_curve *curve, int k, int i)
+{
+    const int n = curve->n;
+    switch (curve->system->form) {
+    case TVI_SEPARABLE: return k < curve->highest_order ? (k + 1) * curve_Q(curve, k + 1)[i] : 0;
+    case TVI_LAGRANGIAN: return curve_Q(curve, k)[curve->system->field_series->output_slot[n + i]];
+    default: return curve_Q(curve, k)[n + i];
+    }
+}
+
+/* Computes P_k of all orders k, [degree + 1][n]. */
+static inline void curve_compute_P(const tvi_curve *curve, int degree, double P[])
+{
+    const int n = curve->n;
+    for (int k = 0; k <= degree; k++)
+        for (int i = 0; i < n; i++) P[k * n + i] = curve_U(curve, k, i) / curve->kappa[i];
+}
+
+/* ---- Where the curve starts -------------------------------------------------------------------------------------- */
 
 void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int highest_order,
                         tvi_jacobians jacobians);
-void tvi_curve_fill_constant_tables(tvi_curve *curve); /* called once, after allocation */
+void tvi_curve_fill_tables(tvi_curve *curve);                             /* called once, after allocation */
+void tvi_curve_set_degrees(tvi_curve *curve, int q_degree, int p_degree); /* called once */
 
-tvi_coefficient_combination tvi_combination_allocate(const tvi_curve *curve, tvi_arena *arena);
-/* Sets a combination to sum_k weight_k Q_k, or to sum_k weight_k U_k, which becomes a combination of Q_k for a
- * separable system. */
-void tvi_combination_set_weights(tvi_coefficient_combination *combination, const tvi_curve *curve, bool of_momentum,
-                                 const double weight[]);
+/* Sets tau, and the scale kappa of the momenta, which is tau/m for a separable system. */
+static inline void curve_set_tau(tvi_curve *curve, double tau)
+{
+    curve->tau = tau;
+    for (int i = 0; i < curve->n && curve->system->form == TVI_SEPARABLE; i++)
+        curve->kappa[i] = tau / curve->system->mass[i];
+}
 
-/* Sets the weights to weight_k = a s_a^k + b s_b^k for k <= degree, and to 0 above. */
-void tvi_combination_set_power_weights(tvi_coefficient_combination *combination, const tvi_curve *curve,
-                                       bool of_momentum, int degree, double a, double s_a, double b, double s_b);
+/* Writes z into the block of the series. */
+static inline void curve_set_z(const tvi_curve *curve, const double z[])
+{
+    const int n = curve->n;
+    double *q = curve_Q(curve, 0), *second = curve->system->form == TVI_SEPARABLE ? curve_Q(curve, 1) : q + n;
+    const double unit = curve->system->form == TVI_LAGRANGIAN ? curve->tau : 1;
+    for (int i = 0; i < n; i++) {
+        q[i] = z[i];
+        second[i] = z[n + i] / unit;
+    }
+}
 
-/* Computes the curve's coefficients from its centre state; `centre` is the time at the centre. Returns TVI_EDOMAIN,
- * TVI_ENONFINITE, or TVI_ESINGULAR if L_vv is singular. */
+/* Computes the coefficients from z; `centre` is the time at the centre. Returns TVI_EDOMAIN, TVI_ENONFINITE, or
+ * TVI_ESINGULAR if L_vv is singular. */
 TVI_NODISCARD tvi_status tvi_curve_expand(tvi_curve *curve, double centre);
 
-/* Factors L_vv or H_pp at the centre of the curve last expanded. A Lagrangian does not need this call, since
- * tvi_curve_expand factors L_vv. Returns TVI_ESINGULAR. */
-TVI_NODISCARD tvi_status tvi_curve_factor_velocity_hessian(tvi_curve *curve);
+/* Factors L_vv or H_pp at the centre of the curve last expanded; the expansion of a Lagrangian's has done so. Returns
+ * TVI_ESINGULAR. */
+TVI_NODISCARD tvi_status tvi_curve_factor_L_vv(tvi_curve *curve);
 
-/* Computes the Jacobian matrices, by the centre state, of the coefficients of the curve last expanded. */
-void tvi_curve_compute_jacobians(tvi_curve *curve);
+/* ---- Sums of the coefficients ------------------------------------------------------------------------------------ */
+
+tvi_curve_sum tvi_curve_sum_allocate(const tvi_curve *curve, tvi_arena *arena);
+/* Sets a sum to sum_k weight_k Q_k, or to sum_k weight_k U_k. */
+void tvi_curve_sum_set(tvi_curve_sum *sum, const tvi_curve *curve, bool of_U, const double weight[]);
+/* Sets the weights to a s_a^k + b s_b^k for k <= degree, and to 0 above. */
+void tvi_curve_sum_set_powers(tvi_curve_sum *sum, const tvi_curve *curve, bool of_U, int degree, double a, double s_a,
+                              double b, double s_b);
+
+/* Computes out[n], the sum, or the sum of the coefficients' magnitudes if `add` is tvi_add_weighted_magnitudes. Small
+ * terms are added first. */
+typedef void curve_row_adder(size_t, const double[], size_t, size_t, const double[], double[]);
+static inline void curve_sum_by(curve_row_adder *add, const tvi_curve *curve, const tvi_curve_sum *sum, double out[])
+{
+    const size_t orders = (size_t)curve->highest_order + 1, stride = curve_stride(curve), n = (size_t)curve->n;
+    memset(out, 0, n * sizeof *out);
+    if (!sum->is_of_U || curve->system->form == TVI_HAMILTONIAN)
+        add(orders, sum->weight, stride, n, curve->series + (sum->is_of_U ? n : 0), out);
+    else
+        for (size_t i = 0; i < n; i++)
+            add(orders, sum->weight, stride, 1, curve->series + curve->system->field_series->output_slot[n + i],
+                out + i);
+}
+
+/* Computes out[n], the sum; its Jacobian by z, matrix[n][2n]; and the Jacobian times dz, out[n], for the dz that
+ * tvi_curve_set_dz has set. */
+void tvi_curve_sum_compute(const tvi_curve *curve, const tvi_curve_sum *sum, double out[]);
+void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_curve_sum *sum, double matrix[]);
+void tvi_curve_set_dz(tvi_curve *curve, const double dz[]);
+void tvi_curve_sum_along_dz(const tvi_curve *curve, const tvi_curve_sum *sum, double out[]);
+
+/* Computes the natural sizes of the numbers of z [2n], relative to which their corrections are measured: sum_k |Q_k|,
+ * and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
+void tvi_curve_z_sizes(const tvi_curve *curve, double size[]);
+
+/* Computes dq_size and u_size, the sums that bound dq/ds and du/ds in the step. */
+void tvi_curve_compute_sizes(const tvi_curve *curve);
+/* Returns tvi_stats.tail (algebra/tail.h) from these sizes; it is 0 if p' has one term only. */
+double tvi_curve_tail(const tvi_curve *curve);
+
+/* ---- Jacobians by z ---------------------------------------------------------------------------------------------- */
 
 /* Returns how a stepper uses Jacobians: as products for separable systems of many coordinates, and as matrices for all
  * others. */
-tvi_jacobians tvi_curve_choose_jacobian_method(const tvi_system *system);
+tvi_jacobians tvi_curve_choose_jacobians(const tvi_system *system);
+
+/* Computes all orders of the tangents, [highest_order + 1][slots][lanes], from those of z in the block. */
+void tvi_curve_expand_tangents(tvi_curve *curve, int lanes);
+
+/* Computes dQ_dz and dU_dz of the curve last expanded. */
+void tvi_curve_compute_jacobians(tvi_curve *curve);
+
+/* Computes out[2n] = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k], with seeds [highest_order + 1][n]. seed_U may
+ * be NULL, and is not read for a separable system. */
+void tvi_curve_multiply_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
 
 /* Returns the sweeps of the tapes that a stepper needs if its curves use their Jacobians in the way `jacobians`, and
  * its action has `points` nodes. */
-tvi_tapes_of_steps tvi_curve_find_used_tapes(const tvi_system *system, const tvi_options *options, int points,
-                                             tvi_jacobians jacobians);
+tvi_tapes_of_steps tvi_curve_list_tapes(const tvi_system *system, const tvi_options *options, int points,
+                                        tvi_jacobians jacobians);
 
-/* Computes the natural sizes of the numbers of the centre state z [2n], relative to which their corrections are
- * measured: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
-void tvi_curve_compute_centre_state_sizes(const tvi_curve *curve, double size[]);
-/* Compute out[n], the sum of a combination of the curve's coefficients, and matrix[n][2n], the Jacobian of that sum by
- * the centre state; small terms are added first. */
-void tvi_curve_sum_combination(const tvi_curve *curve, const tvi_coefficient_combination *combination, double out[]);
-void tvi_curve_sum_combination_jacobian(const tvi_curve *curve, const tvi_coefficient_combination *combination,
-                                        double matrix[]);
-/* tvi_curve_set_product_direction sets the direction dz for tvi_curve_differentiate_sum_along_set_dz, which computes
- * derivative[n], the Jacobian of the combination's sum by the centre state, times dz. */
-void tvi_curve_set_product_direction(tvi_curve *curve, const double dz[]);
-void tvi_curve_differentiate_sum_along_set_dz(const tvi_curve *curve, const tvi_coefficient_combination *combination,
-                                              double derivative[]);
+/* ---- What is compiled for each instruction set ------------------------------------------------------------------- */
 
-/* Computes out[2n] = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k], the transposed Jacobians of the coefficients
- * times seeds [highest_order + 1][n]. seed_U may be NULL, and is not read for a separable system, whose U_k = (k+1)
- * Q_{k+1}. */
-void tvi_curve_multiply_transposed_jacobians_by_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[],
-                                                      double out[]);
+/* The operands of a product with transposed Jacobians, a sum: sum_k (dQ_k/dz)^T seed_Q[k], and factor times the
+ * transposed Jacobians of the sums `upper` and `lower` times x and y [n]. Seeds and sums that are NULL are omitted. */
+typedef struct {
+    const double *seed_Q;
+    double factor;
+    const tvi_curve_sum *upper, *lower;
+    const double *x, *y;
+} tvi_transposed_product;
 
-/* tvi_curve_set_summed_degrees is called once, and sets the degrees to which Q and P are summed.
- * tvi_curve_compute_displacement_sizes computes displacement_size and momentum_size of each component.
- * tvi_curve_compute_tail computes from these sizes tvi_stats.tail (tail.h); the tail is 0 if p' has
- * one term only. */
-void tvi_curve_set_summed_degrees(tvi_curve *curve, int q_degree, int p_degree);
-void tvi_curve_compute_displacement_sizes(const tvi_curve *curve);
-double tvi_curve_compute_tail(const tvi_curve *curve);
-
-/* Returns an upper bound of the energy change by the terms that a plain Taylor step omits, or INFINITY if the curve has
- * too few terms for a bound. The function reads displacement_size and momentum_size, which
- * tvi_curve_compute_displacement_sizes or tvi_curve_rescale_and_sum must have computed. */
-double tvi_curve_bound_energy_change(const tvi_curve *curve);
-
-/* ---- Steps of adapted size (step_size.h) ------------------------------------------------------------------------- */
-
-/* Returns the largest s for which the curve, truncated to the degrees of tvi_curve_set_summed_degrees, meets the
- * tolerance with this logarithm. Returns INFINITY if the last coefficients of q and of p are 0, so that the curve is
- * exact. */
-double tvi_curve_estimate_largest_usable_s(const tvi_curve *curve, double log_tolerance);
-
-/* Rescales tau and the coefficients of q and p to the time unit factor * tau. In the same sweep it computes the
- * increments dq = q(1) - q(0) and du = u(1) - u(0), [n], and the sizes of tvi_curve_compute_displacement_sizes. */
-void tvi_curve_rescale_and_sum(tvi_curve *curve, double factor, double dq[], double du[]);
+struct tvi_action;
+typedef struct {
+    /* Of seeds.c: tvi_action_seeds and tvi_action_lagrangian (action.h). */
+    tvi_status (*seeds)(struct tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
+    tvi_status (*lagrangian)(struct tvi_action *action, tvi_curve *curve, const double q[], const double v[],
+                             const double p[]);
+    /* Of rescale.c: rescales tau and the coefficients to the unit of time factor * tau. In the same sweep it computes
+     * the increments dq = q(1) - q(0) and du = u(1) - u(0), [n], and the sizes of tvi_curve_compute_sizes. */
+    void (*rescale)(tvi_curve *curve, double factor, double dq[], double du[]);
+    /* Of products.c: computes the product out[2n] of a separable system by an adjoint sweep, from the orders of the
+     * curve up to last_order, 1 <= last_order <= highest_order; the cost grows as its square. */
+    void (*multiply_transposed)(tvi_curve *curve, int last_order, const tvi_transposed_product *of, double out[]);
+    const struct tvi_end_solver *solver_by_products;
+} tvi_curve_code;
+extern const tvi_curve_code tvi_curve_code_base, tvi_curve_code_avx2, tvi_curve_code_avx512;
+/* Returns what is compiled for the instruction set of the tape's sweeps. */
+const tvi_curve_code *tvi_curve_code_for(const jet_tape *tape);
 
 #endif

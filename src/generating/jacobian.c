@@ -1,32 +1,18 @@
-/* jacobian.c - computes the Jacobians of a Taylor curve with respect to its centre state as matrices, from tangents in
- * all directions. It also computes the Jacobians of sums of coefficients, and multiplies Jacobians by vectors, with the
- * matrices or without them (products.h). Steppers and solvers call it through curve.h. */
+/* jacobian.c - computes the Jacobians of a Taylor curve by the state z at its centre, as matrices, from tangents in all
+ * directions. It also computes the Jacobians of sums of coefficients, and multiplies Jacobians by vectors. Steppers and
+ * solvers call it through curve.h. */
 #include "generating/curve.h"
-#include "generating/orders.h"
-#include "generating/products.h"
-#include "generating/seeds.h"
-#include "generating/tangents.h"
 
 #include <string.h>
 
-tvi_jacobians tvi_curve_choose_jacobian_method(const tvi_system *system)
+tvi_jacobians tvi_curve_choose_jacobians(const tvi_system *system)
 {
     return system->form == TVI_SEPARABLE && system->n >= PRODUCTS_MIN_COORDINATES ? TVI_JACOBIAN_PRODUCTS
                                                                                   : TVI_JACOBIAN_MATRICES;
 }
 
-/* ---- Matrices ---------------------------------------------------------------------------------------------------- */
-
-void tvi_curve_compute_jacobians(tvi_curve *curve) { curve_compute_jacobians(curve); }
-
-void tvi_curve_sum_combination_jacobian(const tvi_curve *curve, const tvi_coefficient_combination *combination,
-                                        double matrix[])
-{
-    curve_sum_combination_jacobian(curve, combination, matrix);
-}
-
-tvi_tapes_of_steps tvi_curve_find_used_tapes(const tvi_system *system, const tvi_options *options, int points,
-                                             tvi_jacobians jacobians)
+tvi_tapes_of_steps tvi_curve_list_tapes(const tvi_system *system, const tvi_options *options, int points,
+                                        tvi_jacobians jacobians)
 {
     tvi_tapes_of_steps used = {
         .series_tape_emission = {.name_prefix = "tvi_series", .value_lane_counts = {1}, .needs_series_sweep = true}};
@@ -40,27 +26,107 @@ tvi_tapes_of_steps tvi_curve_find_used_tapes(const tvi_system *system, const tvi
     return used;
 }
 
-/* ---- Products with vectors --------------------------------------------------------------------------------------- */
+/* ---- Matrices ---------------------------------------------------------------------------------------------------- */
 
-void tvi_curve_set_product_direction(tvi_curve *curve, const double dz[])
+/* The tangents of slot i at order k, in `lanes` directions. */
+static double *tangent_row(const tvi_curve *curve, int lanes, int k, int i)
 {
-    if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS) products_compute_tangents(curve, dz);
-    else memcpy(curve->product_direction, dz, 2 * (size_t)curve->n * sizeof *dz);
+    return curve->tangents + ((size_t)k * curve_stride(curve) + (size_t)i) * (size_t)lanes;
 }
 
-void tvi_curve_differentiate_sum_along_set_dz(const tvi_curve *curve, const tvi_coefficient_combination *combination,
-                                              double derivative[])
+/* Sets the tangents of z to unit vectors, the directions first .. first + lanes - 1. The tangents of the time and of
+ * constants are 0 in all orders; they are cleared when the number of lanes changes, which moves them. */
+static void set_directions(tvi_curve *curve, int first, int lanes)
 {
-    if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS)
-        products_differentiate_sum_along_set_dz(curve, combination, derivative);
-    else curve_differentiate_sum_along_set_dz(curve, combination, derivative);
+    const tvi_system *system = curve->system;
+    const int n = curve->n, inputs = system->input_count, z_orders = system->form == TVI_SEPARABLE ? 2 : 1;
+    const size_t width = (size_t)lanes * sizeof(double);
+    const size_t others = (size_t)(system->uses_time + system->field_series->constant_count) * width;
+    for (int k = 0; k < z_orders && k <= curve->highest_order; k++)
+        memset(tangent_row(curve, lanes, k, 0), 0, (size_t)inputs * width);
+    for (int k = 0; k <= curve->highest_order && curve->cleared_lanes != lanes; k++)
+        memset(tangent_row(curve, lanes, k, inputs), 0, others);
+    curve->cleared_lanes = lanes;
+    for (int d = first; d < first + lanes; d++) {
+        const bool in_order_1 = d >= n && system->form == TVI_SEPARABLE;
+        double *row = in_order_1 ? tangent_row(curve, lanes, 1, d - n) : tangent_row(curve, lanes, 0, d);
+        row[d - first] = d >= n && system->form == TVI_LAGRANGIAN ? 1 / curve->tau : 1;
+    }
 }
 
-void tvi_curve_multiply_transposed_jacobians_by_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[],
-                                                      double out[])
+/* Copies the tangents to the columns first .. first + lanes - 1 of a Jacobian. Component i has the slot slot[i], or
+ * first_slot + i if slot is NULL. */
+static void store_columns(const tvi_curve *curve, int first, int lanes, const int slot[], int first_slot,
+                          double *jacobian)
 {
-    if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS)
-        products_multiply_by_transposed_jacobians(curve, curve->highest_order,
-                                                  &(tvi_transposed_jacobian_operands){.seed_Q = seed_Q}, out);
-    else curve_multiply_transposed_jacobians_by_seeds(curve, seed_Q, seed_U, out);
+    const int n = curve->n;
+    for (int k = 0; k <= curve->highest_order; k++)
+        for (int i = 0; i < n; i++) {
+            const double *tangent = tangent_row(curve, lanes, k, slot ? slot[i] : first_slot + i);
+            double *restrict out = jacobian + (k * n + i) * 2 * n + first;
+            for (int lane = 0; lane < lanes; lane++) out[lane] = tangent[lane];
+        }
+}
+
+void tvi_curve_compute_jacobians(tvi_curve *curve)
+{
+    const int n = curve->n, *output = curve->system->field_series->output_slot;
+    const tvi_form form = curve->system->form;
+    for (int first = 0; first < 2 * n; first += CURVE_TANGENT_DIRECTIONS) {
+        const int left = 2 * n - first, lanes = left < CURVE_TANGENT_DIRECTIONS ? left : CURVE_TANGENT_DIRECTIONS;
+        set_directions(curve, first, lanes);
+        tvi_curve_expand_tangents(curve, lanes);
+        store_columns(curve, first, lanes, NULL, 0, curve->dQ_dz);
+        if (form == TVI_LAGRANGIAN) store_columns(curve, first, lanes, output + n, 0, curve->dU_dz);
+        if (form == TVI_HAMILTONIAN) store_columns(curve, first, lanes, NULL, n, curve->dU_dz);
+    }
+}
+
+void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_curve_sum *sum, double matrix[])
+{
+    curve->system->field_series->sweeps->combine(curve->highest_order + 1, sum->weight, 1, 2 * curve->n * curve->n,
+                                                 sum->is_of_U ? curve->dU_dz : curve->dQ_dz, matrix);
+}
+
+void tvi_curve_multiply_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
+{
+    const jet_sweeps *sweeps = curve->system->field_series->sweeps;
+    const int n = curve->n, rows = (curve->highest_order + 1) * n;
+    if (curve->jacobians == TVI_JACOBIAN_PRODUCTS) {
+        const tvi_transposed_product of = {.seed_Q = seed_Q};
+        tvi_curve_code_for(curve->system->field_series)->multiply_transposed(curve, curve->highest_order, &of, out);
+        return;
+    }
+    sweeps->combine(rows, seed_Q, 1, 2 * n, curve->dQ_dz, out);
+    if (curve->system->form == TVI_SEPARABLE || !seed_U) return;
+    sweeps->combine(rows, seed_U, 1, 2 * n, curve->dU_dz, curve->U_product);
+    for (int d = 0; d < 2 * n; d++) out[d] += curve->U_product[d];
+}
+
+/* ---- Products with one direction --------------------------------------------------------------------------------- */
+
+void tvi_curve_set_dz(tvi_curve *curve, const double dz[])
+{
+    const size_t n = (size_t)curve->n;
+    if (curve->jacobians == TVI_JACOBIAN_MATRICES) {
+        memcpy(curve->dz, dz, 2 * n * sizeof *dz);
+        return;
+    }
+    memcpy(curve->tangents, dz, n * sizeof *dz);
+    memcpy(curve->tangents + curve_stride(curve), dz + n, n * sizeof *dz);
+    tvi_curve_expand_tangents(curve, 1);
+}
+
+void tvi_curve_sum_along_dz(const tvi_curve *curve, const tvi_curve_sum *sum, double out[])
+{
+    const int n = curve->n;
+    memset(out, 0, (size_t)n * sizeof *out);
+    if (curve->jacobians == TVI_JACOBIAN_PRODUCTS) {
+        tvi_add_weighted_rows((size_t)curve->highest_order + 1, sum->weight, curve_stride(curve), (size_t)n,
+                              curve->tangents, out);
+        return;
+    }
+    tvi_curve_sum_jacobian(curve, sum, curve->sum_jacobian);
+    for (int i = 0; i < n; i++)
+        for (int d = 0; d < 2 * n; d++) out[i] += curve->sum_jacobian[i * 2 * n + d] * curve->dz[d];
 }

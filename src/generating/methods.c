@@ -26,7 +26,7 @@ const tvi_descriptor tvi_type1_start = {
     .expansion = TVI_AT_START,
     METHOD("type I, start", "start", "tvi", tvi_supports_type1, tvi_type1_end),
     .stepper = &tvi_stepper_curve,
-    .curve = {{0, 1, 1}, TVI_ACTION_LAGRANGE, false, {TVI_Q_STEP, 0, true}, {0, 0, {-1, 1}, {1, 0}}, false},
+    .curve = {{0, 1, 1}, TVI_ACTION_LAGRANGE, false, {TVI_Q_STEP, TVI_NO_SUM, true}, {0, 0, {-1, 1}, {1, 0}}, false},
 };
 
 /* The matrix is I + O(h):  M^T (d1 - d0) + R^T (d1 + d0)/2 = D_z. */
@@ -35,7 +35,8 @@ const tvi_descriptor tvi_type1_midpoint = {
     .expansion = TVI_AT_MIDPOINT,
     METHOD("type I, midpoint", "midpoint", NULL, tvi_supports_type1, tvi_type1_midpoint),
     .stepper = &tvi_stepper_curve,
-    .curve = {{-1, 1, 0.5}, TVI_ACTION_LAGRANGE, false, {TVI_Q_MEAN, TVI_Q_STEP}, {0, 0, {-0.5, 1}, {1, 0}}, false},
+    .curve =
+        {{-1, 1, 0.5}, TVI_ACTION_LAGRANGE, false, {TVI_Q_MEAN, TVI_Q_STEP, false}, {0, 0, {-0.5, 1}, {1, 0}}, false},
 };
 
 /* z = (q1, v), G+ = (I, 0):  R_v^T d0 = D_v,  d1 - d0 = D_q - R_q^T d0. */
@@ -44,7 +45,7 @@ const tvi_descriptor tvi_type1_end = {
     .expansion = TVI_AT_END,
     METHOD("type I, end", "end", NULL, tvi_supports_type1, tvi_type1_start),
     .stepper = &tvi_stepper_curve,
-    .curve = {{-1, 0, 1}, TVI_ACTION_LAGRANGE, false, {TVI_Q_STEP, 0, true}, {0, 0, {0, 1}, {1, 0}}, true},
+    .curve = {{-1, 0, 1}, TVI_ACTION_LAGRANGE, false, {TVI_Q_STEP, TVI_NO_SUM, true}, {0, 0, {0, 1}, {1, 0}}, true},
 };
 
 /* A curve from each end (both_ends.c). */
@@ -54,7 +55,7 @@ const tvi_descriptor tvi_type1_both_ends = {
     METHOD("type I, both ends", "both-ends", "symmetric-tvi", tvi_supports_type1, tvi_type1_both_ends),
     .stepper = &tvi_stepper_both_ends,
     .predictor = &tvi_stepper_curve,
-    .curve = {{0, 1, 1}},
+    .curve = {.step_span = {0, 1, 1}},
 };
 
 /* ---- Type II, Hd+(q0, p1), the right discrete Hamiltonian -------------------------------------------------------- */
@@ -66,7 +67,7 @@ const tvi_descriptor tvi_type2_start = {
     .expansion = TVI_AT_START,
     METHOD("type II, start", "right", "htvi-right", tvi_supports_hamilton, tvi_type3_end),
     .stepper = &tvi_stepper_curve,
-    .curve = {{0, 1, 1}, TVI_ACTION_HAMILTON, false, {TVI_U_END, 0, true}, {0, -1, {-1, 0}, {1, 0}}, true},
+    .curve = {{0, 1, 1}, TVI_ACTION_HAMILTON, false, {TVI_U_END, TVI_NO_SUM, true}, {0, -1, {-1, 0}, {1, 0}}, true},
 };
 
 /* z = (w, p1), q- = q0:  (q-_w)^T d0 = -D_w,  p0 = p- + d0,  q1 = w - D_p - (q-_p)^T d0. */
@@ -75,7 +76,7 @@ const tvi_descriptor tvi_type2_end = {
     .expansion = TVI_AT_END,
     METHOD("type II, end", NULL, NULL, tvi_supports_hamilton, tvi_type3_start),
     .stepper = &tvi_stepper_curve,
-    .curve = {{-1, 0, 1}, TVI_ACTION_HAMILTON, false, {TVI_Q_START}, {0, -1, {-1, 0}, {1, 0}}, true},
+    .curve = {{-1, 0, 1}, TVI_ACTION_HAMILTON, false, {TVI_Q_START, TVI_NO_SUM, false}, {0, -1, {-1, 0}, {1, 0}}, true},
 };
 
 /* Type II at the start with its adjoint, N = 1, by the trapezoid rule (docs/method.md section 7). */
@@ -96,7 +97,7 @@ const tvi_descriptor tvi_type3_start = {
     .expansion = TVI_AT_START,
     METHOD("type III, start", "left", "htvi-left", tvi_supports_hamilton, tvi_type2_end),
     .stepper = &tvi_stepper_curve,
-    .curve = {{0, 1, 1}, TVI_ACTION_HAMILTON, false, {TVI_Q_END}, {1, -1, {0, 0}, {1, 0}}, true},
+    .curve = {{0, 1, 1}, TVI_ACTION_HAMILTON, false, {TVI_Q_END, TVI_NO_SUM, false}, {1, -1, {0, 0}, {1, 0}}, true},
 };
 
 /* z = (q1, w), p- = p0:  (p-_w)^T l = D_w,  q0 = q- + l,  p1 = w + D_q - (p-_q)^T l. */
@@ -105,7 +106,7 @@ const tvi_descriptor tvi_type3_end = {
     .expansion = TVI_AT_END,
     METHOD("type III, end", NULL, NULL, tvi_supports_hamilton, tvi_type2_start),
     .stepper = &tvi_stepper_curve,
-    .curve = {{-1, 0, 1}, TVI_ACTION_HAMILTON, false, {TVI_U_START, 0, true}, {1, -1, {0, 0}, {1, 0}}, true},
+    .curve = {{-1, 0, 1}, TVI_ACTION_HAMILTON, false, {TVI_U_START, TVI_NO_SUM, true}, {1, -1, {0, 0}, {1, 0}}, true},
 };
 
 /* ---- Methods with other degrees ---------------------------------------------------------------------------------- */
@@ -124,7 +125,8 @@ const tvi_descriptor tvi_poincare = {
     .quadrature = TVI_CHOSEN_QUADRATURE,
     .needs_conjugate_momenta = true,
     .stepper = &tvi_stepper_curve,
-    .curve = {{-1, 1, 0.5}, TVI_ACTION_HAMILTON, true, {TVI_Q_MEAN, TVI_U_MEAN}, {0.5, -1, {-0.5, 0}, {1, 0}}, false},
+    .curve =
+        {{-1, 1, 0.5}, TVI_ACTION_HAMILTON, true, {TVI_Q_MEAN, TVI_U_MEAN, false}, {0.5, -1, {-0.5, 0}, {1, 0}}, false},
 };
 
 /* The plain Taylor method: the curve from the start to the end of the step, without corrections. The curve of p has
@@ -138,5 +140,5 @@ const tvi_descriptor tvi_taylor = {
     .most_degree = TVI_MAX_DEGREE,
     .supports = &tvi_supports_all,
     .stepper = &tvi_stepper_taylor,
-    .curve = {{0, 1, 1}},
+    .curve = {.step_span = {0, 1, 1}},
 };

@@ -1,12 +1,12 @@
 /* newton.h - declares the corrector, which solves a method's equations r(x) = 0 by passes x <- x - K^-1 r(x) with an
- * approximate Jacobian K, until the corrections are roundoff (docs/method.md section 5). The steppers
- * curve_stepper.c and both_ends.c call it. */
+ * approximate Jacobian K, until the corrections are roundoff (docs/method.md section 5). The steppers step.c and
+ * both_ends.c call it. */
 #ifndef TVI_SRC_GENERATING_NEWTON_H
 #define TVI_SRC_GENERATING_NEWTON_H
 
 #include "algebra/linear.h"
 #include "algebra/passes.h"
-#include "generating/series.h"
+#include "system/system.h"
 
 /* The equations r(x) = 0 of a method. Its functions are called with `self`. */
 typedef struct {
@@ -28,37 +28,33 @@ typedef struct {
     void (*roundoff)(void *self, double r[]);
 } tvi_equations;
 
-/* The rules by which passes end: that of the largest correction relative to its unknown's scale, and that of the
- * largest correction of a group relative to the largest scale of the group. */
 typedef struct {
-    tvi_stopping_rule per_unknown_correction_rule, per_group_correction_rule;
-} tvi_newton_rules;
-typedef struct {
-    bool is_jacobian_allocated;              /* whether memory for a Jacobian matrix was allocated */
-    bool is_jacobian_by_differences;         /* whether the Jacobian in that memory was computed by differences */
-    bool confirms_convergence_by_extra_pass; /* whether each solution makes one pass more than seems needed */
-    tvi_newton_rules rules;
-    int unknown_count;                /* the number of unknowns */
-    int unknowns_per_group;           /* the number of unknowns in one group; all unknowns of a group have one unit */
-    const tvi_subsystems *subsystems; /* the subsystems of the components */
-    double *x, *correction, *scale;   /* [unknown_count] the unknowns, their last corrections and natural sizes */
+    bool has_jacobian;      /* whether there is memory for a Jacobian matrix */
+    bool is_by_differences; /* whether the Jacobian in it was computed by differences */
+    bool makes_extra_pass;  /* whether each solution makes one pass more than seems needed */
+    /* The rules by which passes end: that of the largest correction relative to its unknown's scale, and that of the
+     * largest correction of a group relative to the largest scale of the group. */
+    tvi_stopping_rule unknown_rule, group_rule;
+    int size;                         /* the number of unknowns */
+    int group;                        /* the number of unknowns in one group; all unknowns of a group have one unit */
+    const tvi_subsystems *subsystems; /* of the components */
+    double *x, *correction, *scale;   /* [size] the unknowns, their last corrections and natural sizes */
     double *roundoff_scale;           /* the scale plus a multiple of the unknown's change by the residual's roundoff */
-    /* Scratch for the Jacobian by differences: the unknowns with one of them shifted, and the residual there. */
-    double *trial_unknowns, *trial_residual;
+    double *trial_x,
+        *trial_r; /* scratch: for differences the unknowns with one of them shifted, and the residual there */
     tvi_lu_factor factor;
     /* The largest factor by which the contraction ratio grew from one pass to the next in earlier solutions, or 0 if
      * there was none; part of the history. */
-    double *max_contraction_ratio_growth;
+    double *known_growth;
 } tvi_newton;
 
-/* Allocates the corrector of equations with group_count groups of n unknowns. allocates_jacobian says whether it gets
- * memory for a Jacobian matrix; equations with a `solve` need none. */
-void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, const tvi_system *system,
-                         bool allocates_jacobian);
+/* Allocates the corrector of equations with `groups` groups of n unknowns; equations with a `solve` need no
+ * Jacobian. */
+void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int groups, const tvi_system *system, bool has_jacobian);
 
-/* Sets the rules, once. confirms_convergence_by_extra_pass says that the first contraction is no measure of the later
- * ones, so that there is always one more pass than seems needed. */
-void tvi_newton_set_pass_rules(tvi_newton *newton, const tvi_options *options, bool confirms_convergence_by_extra_pass);
+/* Sets the rules, once. makes_extra_pass says that the first contraction is no measure of the later ones, so that there
+ * is always one more pass than seems needed. */
+void tvi_newton_set_rules(tvi_newton *newton, const tvi_options *options, bool makes_extra_pass);
 
 /* Solves the equations from the predictor in newton->x. On success newton->x is the point of the last residual, and
  * newton->correction is the last correction, which has not been added. The caller applies it to first order, which

@@ -3,10 +3,10 @@
 # refused so at 1e-8. DOP853 and every other method of tvi are right.
 # Right: success, and the end to 1000 tolerances: V = 0.01 log cosh(100 x), a smooth |x|, from x = 1 at rest: the
 # force is -1 to 87 digits, x(1) = 0.5; q'' = t^7 + t^8 from rest: q(1) = 1/72 + 1/90 = 0.025. No start is refused.
-# Kind: step_size_max_norm_ratio (src/generating/step_size.h) divides coefficient k - 4 by coefficient k. If the
+# Kind: coefficient_ratio (src/generating/taylor.c) divides coefficient k - 4 by coefficient k. If the
 # lower one is exactly 0 and the higher one is not, as roundoff of log cosh, tanh, logistic functions in their flat
 # parts, the radius of convergence is taken as 0, the usable step is 0 for every time unit, and the search for a
-# time unit ends after all its tries (expand_with_suitable_time_unit, curve_stepper.c).
+# time unit ends after all its tries (expand_with_suitable_tau, taylor.c).
 import numpy as np
 
 import tvi

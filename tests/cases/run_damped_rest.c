@@ -3,7 +3,7 @@
  * 10^6 steps move t by 0.02; fixed steps end with TVI_ETOOLARGE, "its passes overflow: the step is too large", once
  * q is below 2e-308 (t = 1417).
  * Right: TVI_OK at t = 1500, with q = 0 to 300 digits.
- * Kind: STEP_SIZE_LEAST = 1e-280 of src/generating/step_size.h, and passes relative to a size that is subnormal. */
+ * Kind: STEP_SIZE_LEAST = 1e-280 of src/generating/taylor.c, and passes relative to a size that is subnormal. */
 #include <math.h>
 #include <stdlib.h>
 #include <tvi.h>

@@ -4,7 +4,7 @@
 # Right: success, and the end to 1000 tolerances (DOP853 has 1e-7 and less from rtol 1e-8 on).
 # Reference (galerkin of order 16, h = 0.002 and 0.001 agree to 1e-15; DOP853 of 1e-12 agrees to 1e-9 and better):
 # the numbers in `cases`, at t = 20, friction at t = 6.
-# Kind: the size of a Taylor step comes from the last coefficients alone (src/generating/step_size.h). A force that
+# Kind: the size of a Taylor step comes from the last coefficients alone (src/generating/taylor.c). A force that
 # is exponentially small where the step begins (exp, tanh, erf, softplus, Gauss) is below roundoff of the
 # coefficients that the spring makes. The force at the end of a step is tried only before a first step, and where
 # the coefficients allow more than 1.5 times four steps before, and only in separable systems; the energy is not

@@ -163,15 +163,15 @@ static expansion expand(const test_problem *problem)
     ck_assert_ptr_nonnull(e.memory);
     tvi_curve_allocate(&e.curve, &arena, e.system, 4, true);
     tvi_blocks_set_constants(arena.first_tape_block);
-    tvi_curve_fill_constant_tables(&e.curve);
+    tvi_curve_fill_tables(&e.curve);
     const test_state start = problem_start(problem);
     double z[2 * N_MAX];
     for (int i = 0; i < n; i++) {
         z[i] = start.q[i];
         z[n + i] = TAU * start.p[i] / problem_mass(problem, i);
     }
-    curve_set_time_unit(&e.curve, TAU);
-    curve_set_centre_state(&e.curve, z);
+    curve_set_tau(&e.curve, TAU);
+    curve_set_z(&e.curve, z);
     ck_assert_int_eq(tvi_curve_expand(&e.curve, start.t), TVI_OK);
     tvi_curve_compute_jacobians(&e.curve);
     return e;

@@ -1,7 +1,6 @@
 /* test_products.c - Tests Jacobians as products (curve.h): against the matrices of the same curve, and whole steps of
  * many bodies against those of few, which use matrices. */
 #include "generating/curve.h"
-#include "generating/products.h"
 #include "problems/problems.h"
 #include "suites.h"
 
@@ -19,14 +18,14 @@ static double wave(int i) { return cos(1 + 0.7 * i) / (1 + 0.1 * i); }
 typedef struct {
     void *memory;
     tvi_curve curve;
-    tvi_coefficient_combination q, u;
+    tvi_curve_sum q, u;
 } open_curve;
 
 static void lay_out(open_curve *x, tvi_arena *arena, const tvi_system *system, tvi_jacobians jacobians)
 {
     tvi_curve_allocate(&x->curve, arena, system, DEGREE, jacobians);
-    x->q = tvi_combination_allocate(&x->curve, arena);
-    x->u = tvi_combination_allocate(&x->curve, arena);
+    x->q = tvi_curve_sum_allocate(&x->curve, arena);
+    x->u = tvi_curve_sum_allocate(&x->curve, arena);
 }
 
 /* The curve from the problem's start, and sums of it at s = 0.9 for q and s = -0.8 for u. */
@@ -39,7 +38,7 @@ static open_curve open_at(const test_problem *problem, const tvi_system *system,
     ck_assert_ptr_nonnull(x.memory);
     lay_out(&x, &arena, system, jacobians);
     tvi_blocks_set_constants(arena.first_tape_block);
-    tvi_curve_fill_constant_tables(&x.curve);
+    tvi_curve_fill_tables(&x.curve);
     const test_state start = problem_start(problem);
     double z[2 * N_MAX];
     const double tau = problem->t_end / 50;
@@ -47,11 +46,11 @@ static open_curve open_at(const test_problem *problem, const tvi_system *system,
         z[i] = start.q[i];
         z[system->n + i] = tau * start.p[i] / system->mass[i];
     }
-    curve_set_time_unit(&x.curve, tau);
-    curve_set_centre_state(&x.curve, z);
+    curve_set_tau(&x.curve, tau);
+    curve_set_z(&x.curve, z);
     ck_assert_int_eq(tvi_curve_expand(&x.curve, start.t), TVI_OK);
-    tvi_combination_set_power_weights(&x.q, &x.curve, false, DEGREE, 1, 0.9, -1, 0);
-    tvi_combination_set_power_weights(&x.u, &x.curve, true, DEGREE - 1, 1, -0.8, 0, 0);
+    tvi_curve_sum_set_powers(&x.q, &x.curve, false, DEGREE, 1, 0.9, -1, 0);
+    tvi_curve_sum_set_powers(&x.u, &x.curve, true, DEGREE - 1, 1, -0.8, 0, 0);
     if (jacobians == TVI_JACOBIAN_MATRICES) tvi_curve_compute_jacobians(&x.curve);
     return x;
 }
@@ -78,26 +77,22 @@ START_TEST(products_are_those_of_the_matrices)
     double seed[(DEGREE + 1) * N_MAX], x[2 * N_MAX], got[2 * N_MAX], want[2 * N_MAX], matrix[2 * N_MAX * N_MAX];
     for (int i = 0; i < (DEGREE + 1) * n; i++) seed[i] = wave(3 * i);
     for (int i = 0; i < 2 * n; i++) x[i] = wave(i);
-    tvi_curve_multiply_transposed_jacobians_by_seeds(&matrices.curve, seed, NULL, want);
-    tvi_curve_multiply_transposed_jacobians_by_seeds(&products.curve, seed, NULL, got);
+    tvi_curve_multiply_seeds(&matrices.curve, seed, NULL, want);
+    tvi_curve_multiply_seeds(&products.curve, seed, NULL, got);
     check_close(2 * n, got, want);
-    tvi_curve_set_product_direction(&matrices.curve, x);
-    tvi_curve_set_product_direction(&products.curve, x);
-    tvi_curve_differentiate_sum_along_set_dz(&matrices.curve, &matrices.u, want);
-    tvi_curve_differentiate_sum_along_set_dz(&products.curve, &products.u, got);
+    tvi_curve_set_dz(&matrices.curve, x);
+    tvi_curve_set_dz(&products.curve, x);
+    tvi_curve_sum_along_dz(&matrices.curve, &matrices.u, want);
+    tvi_curve_sum_along_dz(&products.curve, &products.u, got);
     check_close(n, got, want);
     memset(want, 0, sizeof want);
     for (int second = 0; second < 2; second++) {
-        tvi_curve_sum_combination_jacobian(&matrices.curve, second ? &matrices.u : &matrices.q, matrix);
+        tvi_curve_sum_jacobian(&matrices.curve, second ? &matrices.u : &matrices.q, matrix);
         for (int i = 0; i < n; i++)
             for (int j = 0; j < 2 * n; j++) want[j] += matrix[i * 2 * n + j] * x[second * n + i];
     }
-    const tvi_transposed_jacobian_operands of = {.vector_factor = 1,
-                                                 .upper_jacobian_combination = &products.q,
-                                                 .lower_jacobian_combination = &products.u,
-                                                 .vector_for_upper_jacobian_rows = x,
-                                                 .vector_for_lower_jacobian_rows = x + n};
-    products_multiply_by_transposed_jacobians(&products.curve, DEGREE, &of, got);
+    const tvi_transposed_product of = {.factor = 1, .upper = &products.q, .lower = &products.u, .x = x, .y = x + n};
+    tvi_curve_code_for(system->field_series)->multiply_transposed(&products.curve, DEGREE, &of, got);
     check_close(2 * n, got, want);
     free(matrices.memory);
     free(products.memory);
@@ -155,13 +150,13 @@ START_TEST(many_bodies_move_as_one)
     ck_assert_int_eq(tvi_options_named(product_methods[_i].name, product_methods[_i].order, &options), TVI_OK);
     for (int i = 0; i < COPIES; i++) start_copy(i, Q + 2 * i, P + 2 * i, masses + 2 * i);
     ck_assert_int_eq(tvi_system_potential(&many, 2 * COPIES, masses, copies_of_kepler, NULL), TVI_OK);
-    ck_assert_int_eq(tvi_curve_choose_jacobian_method(many), TVI_JACOBIAN_PRODUCTS);
+    ck_assert_int_eq(tvi_curve_choose_jacobians(many), TVI_JACOBIAN_PRODUCTS);
     run(many, &options, product_methods[_i].h, Q, P);
     for (int i = 0; i < COPIES; i++) {
         double q[2], p[2], mass[2];
         start_copy(i, q, p, mass);
         ck_assert_int_eq(tvi_system_potential(&one, 2, mass, one_kepler, NULL), TVI_OK);
-        ck_assert_int_eq(tvi_curve_choose_jacobian_method(one), TVI_JACOBIAN_MATRICES);
+        ck_assert_int_eq(tvi_curve_choose_jacobians(one), TVI_JACOBIAN_MATRICES);
         run(one, &options, product_methods[_i].h, q, p);
         for (int j = 0; j < 2; j++) {
             ck_assert_double_eq_tol(Q[2 * i + j], q[j], 3e-13);

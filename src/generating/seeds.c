@@ -1,0 +1,423 @@
+/* seeds.c - computes the gradient D_z of the discrete action of a Taylor curve by z, the state at the curve's centre,
+ * in the form of seeds: vectors seed_Q[k] and seed_U[k] with D_z = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k].
+ * It is compiled once for each instruction set; action.c calls it (docs/method.md section 4).
+ *
+ * D_z is a sum over the nodes of a quadrature. Its formulas use these letters:
+ *     g, p              the position and the momentum of the curve, functions of s; P_j is the coefficient of s^j in p
+ *     q_i, v_i, p_i     the position, the velocity and the momentum that are used at node i
+ *     w_i               the weight of node i for an integral over s
+ *     tau               the unit of time: t is that of the centre plus tau s
+ *     x., dx            the derivative of a quantity x by s, and its Jacobian matrix by z
+ *     e_r               the quadrature's value of an integral of s^r less the exact value
+ * g and p without an index are taken at node i, too. L_q, H_p and so on are partial derivatives of the Lagrangian L and
+ * the Hamiltonian H there.
+ *
+ * With Lagrange's action D_z is
+ *     sum_i w_i [ dq_i^T tau L_q - dg^T p. + dg.^T (L_v - p) ].
+ * With Hamilton's action and nodes on the curve (q_i = g, p_i = p) it is
+ *     sum_i w_i [ dp_i^T (g. - tau H_p) - dg^T (p. + tau H_q) ].
+ * With Hamilton's action and truncated nodes, at which q_i leaves out the curve's term of the highest degree and the
+ * velocity is H_p, it is
+ *     sum_i w_i [ dq_i^T tau (H_qp p - H_q) + dp_i^T tau H_pp p - dg^T p. - dg.^T p ].
+ * To each of the three sums is added
+ *     sum_{j,k} (j + k) e_{j+k-1} (dQ_k/dz)^T P_j.
+ * The formulas come from a summation by parts, for which the derivative of p^T dg by s is integrated. The added sum is
+ * the error of the quadrature in this integral. With it, every quadrature may be used with every degree. For a
+ * separable system L_v - p is 0. There g. - tau H_p is 0, too, if the degree of p is that of g less 1. */
+#include "generating/action.h"
+#include "algebra/passes.h"
+#include "fused.h"
+#include "sums.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* The largest number of even orders or of odd orders of a curve, and of the nodes in a half, in whole vectors. */
+enum { HALF = (TVI_MAX_DEGREE + 2) / 2 + 4 };
+
+/* ---- The curve at the nodes -------------------------------------------------------------------------------------- */
+
+/* Evaluates a series at the nodes: row[node] = sum_{k <= degree} c_k table_k(node), with c_k = c[k * stride]. */
+static void evaluate_series(const tvi_action *action, int degree, const double *c, size_t stride,
+                            const tvi_node_table *table, double row[])
+{
+    const int half = action->half;
+    double even[HALF], odd[HALF];
+    if (half == 0) {
+        action->tape->sweeps->combine(degree + 1, c, stride, action->nodes, table->all, row);
+        return;
+    }
+    jet_combine_rows(degree / 2 + 1, c, 2 * stride, half, table->even, even);
+    jet_combine_rows((degree + 1) / 2, c + stride, 2 * stride, half, table->odd, odd);
+    JET_IN_VECTORS
+    for (int i = 0; i < half; i++) row[i] = even[i] + odd[i];
+    JET_IN_VECTORS
+    for (int i = 0; i < half; i++) row[half + i] = table->mirror_sign * (even[i] - odd[i]);
+}
+
+static void set_times(const tvi_action *action, const tvi_curve *curve)
+{
+    const int inputs = curve->system->input_count;
+    double *t = action->slots + inputs * action->nodes;
+    if (!curve->system->uses_time) return;
+    for (int node = 0; node < action->nodes; node++)
+        t[node] = JET_FUSED(jet_v1, curve->tau, action->s[node], curve_Q(curve, 0)[inputs]);
+}
+
+/* Computes the velocities v = (dq/ds)/tau at the nodes. */
+static void set_velocities(const tvi_action *action, const tvi_curve *curve, double *v)
+{
+    for (int i = 0; i < curve->n; i++, v += action->nodes) {
+        evaluate_series(action, action->q_degree, curve_Q(curve, 0) + i, curve_stride(curve), &action->slope, v);
+        for (int node = 0; node < action->nodes; node++) v[node] /= curve->tau;
+    }
+}
+
+/* Divides the row by `divisor`: each number is multiplied by the reciprocal, and the quotient is corrected by the
+ * remainder. Many divisions would be slower. */
+static void divide_row(int nodes, double divisor, double row[])
+{
+    const double inverse = 1 / divisor;
+    JET_IN_VECTORS
+    for (int node = 0; node < nodes; node++) {
+        const double quotient = row[node] * inverse;
+        row[node] = quotient + inverse * (row[node] - quotient * divisor);
+    }
+}
+
+/* Evaluates the curve at the nodes: q_i and the times in the inputs of the field, p if Hamilton's action or by_v needs
+ * it, and dp/ds. For a separable system dp/ds is M q'' / tau, with q'' the second derivative by s. */
+static void evaluate_curve(const tvi_action *action, const tvi_curve *curve)
+{
+    const bool separable = curve->system->form == TVI_SEPARABLE, needs_p = action->is_hamilton || action->has_by_v;
+    const int n = curve->n, nodes = action->nodes, p_degree = action->p_degree;
+    const size_t stride = curve_stride(curve);
+    if (needs_p || action->by_parts || !separable) curve_compute_P(curve, p_degree, action->P);
+    for (int i = 0; i < n; i++) {
+        const double *Q = curve_Q(curve, 0) + i, *P = action->P + i;
+        double *dp_ds = action->dp_ds + i * nodes;
+        if (needs_p) evaluate_series(action, p_degree, P, (size_t)n, &action->power, action->p + i * nodes);
+        if (separable) {
+            evaluate_series(action, p_degree + 1, Q, stride, &action->second, dp_ds);
+            divide_row(nodes, curve->kappa[i], dp_ds);
+        } else evaluate_series(action, p_degree, P, (size_t)n, &action->slope, dp_ds);
+        evaluate_series(action, action->q_degree, Q, stride, &action->node_power, action->slots + i * nodes);
+    }
+    set_times(action, curve);
+}
+
+/* ---- The field at the nodes -------------------------------------------------------------------------------------- */
+
+/* Output i of the tape in its block x at the nodes. */
+static const double *output_row(const tvi_action *action, const jet_tape *tape, const double *x, int i)
+{
+    return x + (size_t)tape->output_slot[i] * (size_t)action->nodes;
+}
+
+static tvi_status evaluate_field(const tvi_action *action)
+{
+    return jet_sweep_values(action->tape, action->slots, action->nodes) ? TVI_OK : TVI_EDOMAIN;
+}
+
+/* Sets out [n][nodes] to n outputs of the field, from number `first` on, times `factor`. */
+static void copy_outputs(const tvi_action *action, int n, int first, double factor, double *restrict out)
+{
+    for (int i = 0; i < n; i++, out += action->nodes) {
+        const double *row = output_row(action, action->tape, action->slots, first + i);
+        JET_IN_VECTORS
+        for (int node = 0; node < action->nodes; node++) out[node] = factor * row[node];
+    }
+}
+
+static void subtract(int count, const double *other, double *restrict out)
+{
+    for (int i = 0; i < count; i++) out[i] -= other[i];
+}
+
+/* ---- Momenta that belong to velocities: H_p(q_i, p_i) = v_i by Newton's method ----------------------------------- */
+
+/* Replaces H_pp by H_pp^-1 at all nodes. */
+static tvi_status invert_H_pp(const tvi_action *action, tvi_curve *curve)
+{
+    const int n = curve->n, nodes = action->nodes;
+    double *H_pp = action->H_pp, *column = curve->column;
+    for (int j = 0; j < n; j++) {
+        double *direction = action->tangents + (n + j) * nodes;
+        for (int node = 0; node < nodes; node++) direction[node] = 1;
+        jet_sweep_one_tangent_per_lane(action->tape, action->slots, action->tangents, 0, nodes);
+        for (int i = 0; i < n; i++)
+            memcpy(H_pp + (i * n + j) * nodes, output_row(action, action->tape, action->tangents, n + i),
+                   (size_t)nodes * sizeof *H_pp);
+        for (int node = 0; node < nodes; node++) direction[node] = 0;
+    }
+    for (int node = 0; node < nodes; node++) {
+        for (int i = 0; i < n * n; i++) curve->L_vv.lu[i] = H_pp[i * nodes + node];
+        const tvi_status status = tvi_factor_compute(&curve->L_vv);
+        if (status != TVI_OK) return status;
+        for (int j = 0; j < n; j++) {
+            for (int i = 0; i < n; i++) column[i] = i == j;
+            tvi_factor_solve(&curve->L_vv, column);
+            for (int i = 0; i < n; i++) H_pp[(i * n + j) * nodes + node] = column[i];
+        }
+    }
+    return TVI_OK;
+}
+
+/* Computes the corrections dp = H_pp^-1 (v - H_p), and returns the largest. The velocities are in by_v. */
+static double compute_dp(const tvi_action *action, int n)
+{
+    const int nodes = action->nodes;
+    double *dp = action->dp, rest[2 * HALF];
+    memset(dp, 0, (size_t)(n * nodes) * sizeof *dp);
+    for (int j = 0; j < n; j++) {
+        const double *H_p = output_row(action, action->tape, action->slots, n + j), *v = action->by_v + j * nodes;
+        JET_IN_VECTORS
+        for (int node = 0; node < nodes; node++) rest[node] = v[node] - H_p[node];
+        for (int i = 0; i < n; i++) JET_IN_VECTORS
+        for (int node = 0; node < nodes; node++)
+            dp[i * nodes + node] += action->H_pp[(i * n + j) * nodes + node] * rest[node];
+    }
+    return tvi_largest_magnitude(n * nodes, dp, 1);
+}
+
+/* Returns whether the last correction of each momentum is below a unit of roundoff of that momentum. */
+static bool is_dp_roundoff(const tvi_action *action, int n, const double p[])
+{
+    const int nodes = action->nodes;
+    for (int i = 0; i < n; i++)
+        if (tvi_largest_magnitude(nodes, action->dp + i * nodes, 1) >
+            DBL_EPSILON * tvi_largest_magnitude(nodes, p + i * nodes, 1))
+            return false;
+    return true;
+}
+
+/* Finds the momenta p_i, from those of the curve. They are left in the second input of the field, which is evaluated
+ * with them. */
+static tvi_status solve_for_momenta(tvi_action *action, tvi_curve *curve)
+{
+    const int count = curve->n * action->nodes;
+    double *p = action->slots + count;
+    tvi_convergence_test passes;
+    tvi_convergence_begin(&passes, 0);
+    memcpy(p, action->p, (size_t)count * sizeof *p);
+    const double size = tvi_largest_magnitude(count, p, 1);
+    const tvi_stopping_rule rule = {.correction_goal = DBL_EPSILON * size,
+                                    .max_trusted_ratio = PASSES_MAX_CONTRACTION,
+                                    .stall_ratio = TVI_STALL_WITHOUT_DECREASE,
+                                    .stall_comparison_lag = 1};
+    for (int step = 0; step < MOMENTA_MAX_ITERATIONS; step++) {
+        tvi_status status = evaluate_field(action);
+        if (status == TVI_OK && (step == 0 || !(passes.size <= MOMENTA_REUSE_MAX_RATIO * passes.previous_size)))
+            status = invert_H_pp(action, curve);
+        if (status != TVI_OK) return status;
+        const double largest = compute_dp(action, curve->n);
+        if (!isfinite(largest)) return TVI_ENONFINITE;
+        if (step > 0 && is_dp_roundoff(action, curve->n, p)) return TVI_OK;
+        const tvi_passes_verdict verdict = tvi_convergence_add_pass(&passes, &rule, largest);
+        for (int i = 0; i < count; i++) p[i] += action->dp[i];
+        if (verdict == TVI_PASSES_MAY_END ||
+            (verdict == TVI_PASSES_STUCK &&
+             (largest <= MOMENTA_STALLED_CORRECTION * size ||
+              tvi_convergence_set_roundoff(&passes, tvi_action_dp_roundoff(action, curve)))))
+            return evaluate_field(action);
+    }
+    return TVI_ENOCONV;
+}
+
+/* ---- What multiplies dq_i, dv_i and dp_i ------------------------------------------------------------------------- */
+
+/* Lagrange's action: by_q = tau L_q and by_v = L_v - p, from the positions in the field's inputs, the velocities in
+ * by_v and the momenta. On the curve of a separable system, without has_by_v, L_v = p. */
+static tvi_status compute_lagrange(tvi_action *action, tvi_curve *curve, bool has_by_v)
+{
+    const int n = curve->n, count = n * action->nodes;
+    const double tau = curve->tau;
+    double *second = action->slots + count;
+    tvi_status status = TVI_OK;
+    switch (curve->system->form) {
+    case TVI_SEPARABLE:
+        status = evaluate_field(action);
+        copy_outputs(action, n, 0, tau, action->by_q);
+        if (!has_by_v) return status;
+        for (int i = 0; i < count; i++) action->by_v[i] *= curve->system->mass[i / action->nodes];
+        break;
+    case TVI_LAGRANGIAN:
+        memcpy(second, action->by_v, (size_t)count * sizeof *second);
+        status = evaluate_field(action);
+        copy_outputs(action, n, 0, tau, action->by_q);
+        copy_outputs(action, n, n, 1, action->by_v);
+        break;
+    case TVI_HAMILTONIAN:
+        status = solve_for_momenta(action, curve);
+        copy_outputs(action, n, 0, -tau, action->by_q);
+        memcpy(action->by_v, second, (size_t)count * sizeof *second);
+        break;
+    }
+    subtract(count, action->p, action->by_v);
+    return status;
+}
+
+/* Hamilton's action at nodes on the curve: by_q = -tau H_q, by_p = g. - tau H_p. */
+static tvi_status compute_hamilton(tvi_action *action, const tvi_curve *curve)
+{
+    const bool separable = curve->system->form == TVI_SEPARABLE;
+    const int n = curve->n, nodes = action->nodes;
+    const double tau = curve->tau;
+    if (!separable) memcpy(action->slots + n * nodes, action->p, (size_t)(n * nodes) * sizeof(double));
+    const tvi_status status = evaluate_field(action);
+    if (status != TVI_OK) return status;
+    copy_outputs(action, n, 0, separable ? tau : -tau, action->by_q);
+    if (!action->has_by_p) return status;
+    set_velocities(action, curve, action->by_p);
+    for (int i = 0; i < n; i++) {
+        const double mass = separable ? curve->system->mass[i] : 1,
+                     *H_p = separable ? action->p + i * nodes : output_row(action, action->tape, action->slots, n + i);
+        double *restrict by_p = action->by_p + i * nodes;
+        for (int node = 0; node < nodes; node++) by_p[node] = tau * (by_p[node] - H_p[node] / mass);
+    }
+    return status;
+}
+
+/* Hamilton's action at truncated nodes: by_q = tau (H_qp p - H_q), by_p = tau H_pp p, by_v = -p. */
+static tvi_status compute_truncated_hamilton(tvi_action *action, const tvi_curve *curve)
+{
+    const tvi_system *system = curve->system;
+    const jet_tape *products = system->r_dot_Hp_values;
+    const bool separable = system->form == TVI_SEPARABLE;
+    const int n = curve->n, nodes = action->nodes;
+    const size_t panel = (size_t)(n * nodes) * sizeof(double);
+    const double tau = curve->tau;
+    if (!separable) memcpy(action->slots + n * nodes, action->p, panel);
+    const tvi_status status = evaluate_field(action);
+    if (status != TVI_OK) return status;
+    copy_outputs(action, n, 0, separable ? tau : -tau, action->by_q);
+    if (!separable) {
+        memcpy(action->Hp_slots, action->slots, (size_t)((2 * n + system->uses_time) * nodes) * sizeof(double));
+        memcpy(action->Hp_slots + (2 * n + 1) * nodes, action->p, panel);
+        if (!jet_sweep_values(products, action->Hp_slots, nodes)) return TVI_EDOMAIN;
+    }
+    for (int i = 0; i < n; i++)
+        for (int node = 0; node < nodes; node++) {
+            const int at = i * nodes + node;
+            if (separable) action->by_p[at] = tau * action->p[at] / system->mass[i];
+            else {
+                action->by_q[at] += tau * output_row(action, products, action->Hp_slots, i)[node];
+                action->by_p[at] = tau * output_row(action, products, action->Hp_slots, n + i)[node];
+            }
+            action->by_v[at] = -action->p[at];
+        }
+    return TVI_OK;
+}
+
+/* ---- The seeds --------------------------------------------------------------------------------------------------- */
+
+/* Computes row[k] = sum over the nodes of weight * power (or slope) * x[node], for all orders k. */
+static const double *sum_over_nodes(const tvi_action *action, const tvi_node_table *weighted, const double *x)
+{
+    const int half = action->half, orders = action->order_count, width = TVI_WHOLE_VECTORS((orders + 1) / 2);
+    double sum[HALF], difference[HALF], even[HALF], odd[HALF];
+    if (half == 0) {
+        action->tape->sweeps->combine(action->nodes, x, 1, orders, weighted->all, action->node_sums);
+        return action->node_sums;
+    }
+    JET_IN_VECTORS
+    for (int i = 0; i < half; i++) {
+        sum[i] = x[i] + x[half + i];
+        difference[i] = x[i] - x[half + i];
+    }
+    const bool keeps = weighted->mirror_sign > 0;
+    jet_combine_rows(half, keeps ? sum : difference, 1, width, weighted->even, even);
+    jet_combine_rows(half, keeps ? difference : sum, 1, width, weighted->odd, odd);
+    for (int k = 0; k < orders; k++) action->node_sums[k] = (k % 2 == 0 ? even : odd)[k / 2];
+    return action->node_sums;
+}
+
+/* Sets the seeds of sum_i w_i [ dq_i^T by_q - dg^T p. ]. The difference by_q - p. is formed first, since the two nearly
+ * cancel. A truncated node does not contain the term of the highest order N, but the curve does; the last sum subtracts
+ * it from the seed of order N. */
+static void set_by_q_seeds(tvi_action *action, const tvi_curve *curve, double seed[])
+{
+    const int n = curve->n, nodes = action->nodes, N = action->q_degree;
+    const double *power = action->power.all + N * nodes, *node_power = action->node_power.all + N * nodes;
+    subtract(n * nodes, action->dp_ds, action->by_q);
+    for (int i = 0; i < n; i++) {
+        const double *defect = action->by_q + i * nodes, *force = action->dp_ds + i * nodes;
+        const double *row = sum_over_nodes(action, &action->weighted_power, defect);
+        for (int k = 0; k <= N; k++) seed[k * n + i] = row[k];
+        for (int node = 0; node < nodes && action->is_truncated; node++)
+            seed[N * n + i] -= action->weight[node] * (defect[node] + force[node]) * (power[node] - node_power[node]);
+    }
+}
+
+static void add_by_v_seeds(const tvi_action *action, int n, double seed[])
+{
+    for (int i = 0; i < n; i++) {
+        const double *row = sum_over_nodes(action, &action->weighted_slope, action->by_v + i * action->nodes);
+        for (int k = 1; k <= action->q_degree; k++) seed[k * n + i] += row[k];
+    }
+}
+
+/* Adds the seeds of sum_i w_i dp_i^T by_p; of a separable system kappa P_k = (k+1) Q_{k+1}. */
+static void add_by_p_seeds(const tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
+{
+    const bool separable = curve->system->form == TVI_SEPARABLE;
+    const int n = curve->n;
+    for (int i = 0; i < n; i++) {
+        const double *row = sum_over_nodes(action, &action->weighted_power, action->by_p + i * action->nodes);
+        for (int k = 0; k <= action->p_degree; k++) {
+            if (!separable) seed_U[k * n + i] = row[k] / curve->kappa[i];
+            else if (k < curve->highest_order) seed_Q[(k + 1) * n + i] += (k + 1) * (row[k] / curve->kappa[i]);
+        }
+    }
+}
+
+static void add_by_parts_seeds(const tvi_action *action, int n, double seed[])
+{
+    for (int k = 0; k <= action->q_degree; k++)
+        for (int j = 0; j <= action->p_degree; j++) {
+            const double error = action->by_parts[k * action->order_count + j];
+            for (int i = 0; i < n && error != 0; i++) seed[k * n + i] += error * action->P[j * n + i];
+        }
+}
+
+static tvi_status compute_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
+{
+    const bool is_bent = action->is_hamilton && action->is_truncated;
+    const int n = curve->n, seeds = action->order_count * n;
+    for (int i = (action->q_degree + 1) * n; i < seeds; i++) seed_Q[i] = 0;
+    for (int i = 0; i < seeds && curve->system->form != TVI_SEPARABLE; i++) seed_U[i] = 0;
+    evaluate_curve(action, curve);
+    if (action->has_by_v) set_velocities(action, curve, action->by_v);
+    const tvi_status status = is_bent               ? compute_truncated_hamilton(action, curve)
+                              : action->is_hamilton ? compute_hamilton(action, curve)
+                                                    : compute_lagrange(action, curve, action->has_by_v);
+    if (status != TVI_OK) return status;
+    set_by_q_seeds(action, curve, seed_Q);
+    if (is_bent || action->has_by_v) add_by_v_seeds(action, n, seed_Q);
+    if (is_bent || action->has_by_p) add_by_p_seeds(action, curve, seed_Q, seed_U);
+    if (action->by_parts) add_by_parts_seeds(action, n, seed_Q);
+    return TVI_OK;
+}
+
+static tvi_status evaluate_lagrangian(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
+                                      const double p[])
+{
+    const size_t panel = (size_t)(curve->n * action->nodes) * sizeof *q;
+    memcpy(action->slots, q, panel);
+    memcpy(action->by_v, v, panel);
+    memcpy(action->p, p, panel);
+    set_times(action, curve);
+    return compute_lagrange(action, curve, true);
+}
+
+/* What the other files that are compiled for the set define. */
+#define tvi_curve_rescale       JET_FOR_ISA(tvi_curve_rescale)
+#define tvi_multiply_transposed JET_FOR_ISA(tvi_multiply_transposed)
+#define tvi_solver_by_products  JET_FOR_ISA(tvi_solver_by_products)
+void tvi_curve_rescale(tvi_curve *curve, double factor, double dq[], double du[]);
+void tvi_multiply_transposed(tvi_curve *curve, int last_order, const tvi_transposed_product *of, double out[]);
+extern const struct tvi_end_solver tvi_solver_by_products;
+
+const tvi_curve_code JET_FOR_ISA(tvi_curve_code) = {compute_seeds, evaluate_lagrangian, tvi_curve_rescale,
+                                                    tvi_multiply_transposed, &tvi_solver_by_products};
