@@ -16,45 +16,63 @@ typedef struct {
     double *value, *size, *slope, *slope_size;
 } taylor_rows;
 
-/* Multiplies row k by power[k], and adds it to the sums number j. There are two sums over every second order, whose
- * additions do not depend on each other, so that a processor makes them at the same time. */
-#define ADD_ROW(V, j, k)                                                                                               \
-    {                                                                                                                  \
-        const V x_k = JET_AT(V, rows->x, k) * power[k], size_k = TVI_ITS_SIZE(V, x_k), order = (double)(k) + none;     \
-        JET_AT(V, rows->x, k) = x_k;                                                                                   \
-        value[j] += x_k;                                                                                               \
-        size[j] = JET_FUSED(V, order, size_k, size[j]);                                                                \
-        if (has_slope) slope[j] = JET_FUSED(V, order, x_k, slope[j]);                                                  \
-        if (has_slope) slope_size[j] = JET_FUSED(V, order - 1, order * size_k, slope_size[j]);                         \
-    }
-#define RESCALE(V, S)                                                                                                  \
-    {                                                                                                                  \
-        const V none = {0};                                                                                            \
-        V value[2] = {none, none}, size[2] = {none, none}, slope[2] = {none, none}, slope_size[2] = {none, none};      \
-        int k = rows->degree;                                                                                          \
-        for (; k > rows->least; k -= 2) {                                                                              \
-            ADD_ROW(V, 0, k)                                                                                           \
-            ADD_ROW(V, 1, k - 1)                                                                                       \
-        }                                                                                                              \
-        if (k == rows->least) ADD_ROW(V, 0, k)                                                                         \
-        V value_sum = value[0] + value[1], size_sum = size[0] + size[1];                                               \
-        if (has_slope) {                                                                                               \
-            const V x_1 = JET_AT(V, rows->x, 1) * power[1], size_1 = TVI_ITS_SIZE(V, x_1);                             \
-            JET_AT(V, rows->x, 1) = x_1;                                                                               \
-            value_sum += x_1;                                                                                          \
-            size_sum += size_1;                                                                                        \
-            *(V *)(rows->slope + here) = slope[0] + slope[1];                                                          \
-            *(V *)(rows->slope_size + here) = slope_size[0] + slope_size[1] + size_1;                                  \
-        }                                                                                                              \
-        *(V *)(rows->value + here) = value_sum;                                                                        \
-        *(V *)(rows->size + here) = size_sum;                                                                          \
-    }
+/* The widest block of components: a vector of the instruction set, so that the sums of a block stay in registers. */
+enum { BLOCK = sizeof(jet_widest) / sizeof(double) };
 
-/* has_slope is a constant: whether there are sums of the slope. */
+/* The sums of a block over every second order. Two such structures have all orders; their additions do not depend on
+ * each other, so that a processor makes them at the same time. */
+typedef struct {
+    double value[BLOCK], size[BLOCK], slope[BLOCK], slope_size[BLOCK];
+} block_sums;
+
+/* Multiplies row k, from component `here` on, by power[k], and adds it to the sums. */
+JET_INLINE void rescale_row(const taylor_rows *rows, const double power[], int k, int here, int width, bool has_slope,
+                            block_sums *sums)
+{
+    double *x = rows->x + (size_t)k * rows->stride + here;
+    JET_UNROLL(1) /* so that gcc makes vectors of the components */
+    for (int i = 0; i < width; i++) {
+        const double x_k = x[i] * power[k], size = fabs(x_k);
+        x[i] = x_k;
+        sums->value[i] += x_k;
+        sums->size[i] = JET_FUSED(jet_v1, k, size, sums->size[i]);
+        if (has_slope) sums->slope[i] = JET_FUSED(jet_v1, k, x_k, sums->slope[i]);
+        if (has_slope) sums->slope_size[i] = JET_FUSED(jet_v1, k - 1, k * size, sums->slope_size[i]);
+    }
+}
+
+/* Rescales and sums `width` components from number `here` on. width and has_slope, whether there are sums of the slope,
+ * are constants. */
+JET_INLINE void rescale_block(const taylor_rows *rows, const double power[], int here, int width, bool has_slope)
+{
+    block_sums even = {{0}, {0}, {0}, {0}}, odd = even;
+    int k = rows->degree;
+    for (; k > rows->least; k -= 2) {
+        rescale_row(rows, power, k, here, width, has_slope, &even);
+        rescale_row(rows, power, k - 1, here, width, has_slope, &odd);
+    }
+    if (k == rows->least) rescale_row(rows, power, k, here, width, has_slope, &even);
+    double *x_1 = rows->x + rows->stride + here;
+    for (int i = 0; i < width; i++) {
+        double value = even.value[i] + odd.value[i], size = even.size[i] + odd.size[i];
+        if (has_slope) {
+            x_1[i] *= power[1];
+            value += x_1[i];
+            size += fabs(x_1[i]);
+            rows->slope[here + i] = even.slope[i] + odd.slope[i];
+            rows->slope_size[here + i] = even.slope_size[i] + odd.slope_size[i] + fabs(x_1[i]);
+        }
+        rows->value[here + i] = value;
+        rows->size[here + i] = size;
+    }
+}
+
 JET_INLINE void rescale_rows(const taylor_rows *rows, const double power[], bool has_slope)
 {
-    const size_t stride = rows->stride;
-    JET_BLOCKS(rows->components, RESCALE, );
+    int here = 0;
+    for (; here + BLOCK <= rows->components; here += BLOCK) rescale_block(rows, power, here, BLOCK, has_slope);
+    for (; here + 2 <= rows->components; here += 2) rescale_block(rows, power, here, 2, has_slope);
+    for (; here < rows->components; here++) rescale_block(rows, power, here, 1, has_slope);
 }
 
 /* Rescales and sums the rows of `components` components of a system that is not separable, from x on; the rows above
