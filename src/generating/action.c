@@ -173,6 +173,8 @@ static const tvi_curve_code *const code_of_isa[JET_ISA_COUNT] = {
 
 const tvi_curve_code *tvi_curve_code_for(const jet_tape *tape) { return code_of_isa[tape->sweeps->isa]; }
 
+/* Truncated nodes of Hamilton's action, and those of tvi_action_lagrangian, are computed without fused multiply-adds on
+ * every processor. */
 tvi_status tvi_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     const bool is_bent = action->is_hamilton && action->is_truncated;

@@ -137,6 +137,9 @@ static void subtract(int count, const double *other, double *restrict out)
 
 /* ---- Momenta that belong to velocities: H_p(q_i, p_i) = v_i by Newton's method ----------------------------------- */
 
+/* All nodes are solved at once, as lanes of the sweeps. By the Legendre transform of one node after the other
+ * (system/legendre.h) a step of type I takes 1.3 to 1.6 times as many instructions. */
+
 /* Replaces H_pp by H_pp^-1 at all nodes. */
 static tvi_status invert_H_pp(const tvi_action *action, tvi_curve *curve)
 {
