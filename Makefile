@@ -92,14 +92,14 @@ ISAS         := $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),avx2 avx51
 FLAGS_avx2   := -mavx2 -mfma -ffp-contract=fast
 FLAGS_avx512 := $(FLAGS_avx2) -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512
 ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c ad/sum*.c)
-SRC_LANES    := $(addprefix src/generating/,products.c rescale.c seeds.c)
 # steppers, whose tables alone are made once: their names in all sets but the base have the suffix of the set
-SET_SOURCES  := $(filter-out src/galerkin/tables.c src/galerkin/method.c,$(wildcard src/galerkin/*.c))
+SET_SOURCES  := $(filter-out src/galerkin/tables.c,$(wildcard src/galerkin/*.c)) \
+                $(addprefix src/generating/,products.c rescale.c seeds.c)
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) $(BUILD)/ad/embedded_rules.o \
                 $(ISAS:%=$(BUILD)/ad/sweeps_%.o)
 EMBEDDED_SRC := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin)
 SRC_OBJECTS  := $(EMBEDDED_SRC) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
-                $(foreach isa,$(ISAS),$(SRC_LANES:%.c=$(BUILD)/%.$(isa).o) $(BUILD)/src/steppers_$(isa).o)
+                $(ISAS:%=$(BUILD)/src/steppers_%.o)
 EMBEDDED    := $(BUILD)/ad/embedded_rules.o $(EMBEDDED_SRC)
 OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas $(HAS_SLEEF)) -lm -pthread
@@ -169,7 +169,7 @@ $(BUILD)/ad/%.o: ad/%.c
 	$(call SAY,CC $<)$(CC) $(BASE) $(CFLAGS) -MMD -MP -c -o $@ $<
 
 # the text of the rules, for generated code (ad/emit.h)
-EMBEDDED_RULES := $(addprefix ad/,measured.h compiler.h vector.h) include/jet.h $(addprefix ad/,graph.h tape.h rule.h sums.h elementary.h) \
+EMBEDDED_RULES := $(addprefix ad/,compiler.h vector.h) include/jet.h $(addprefix ad/,graph.h tape.h rule.h sums.h elementary.h) \
                   $(wildcard ad/rule_*.c ad/sum_*.c) ad/emitted.h
 $(BUILD)/ad/embedded_rules.c: ad/embed.awk $(EMBEDDED_RULES)
 	@mkdir -p $(@D)
@@ -199,7 +199,7 @@ $(addprefix $(BUILD)/,ad/isa.o $(addprefix src/,compiled/load.o method/method.o 
 define isa_objects
 $(BUILD)/%.$(1).o: %.c
 	@mkdir -p $$(@D)
-	$$(call SAY,CC $$< ($(1)))$$(CC) $$(BASE) -Iad -Isrc $$(FLAGS_$(1)) -DJET_ISA=$(1) -DJET_SET=jet_isa_$(1) $$(CFLAGS) -MMD -MP -c -o $$@ $$<
+	$$(call SAY,CC $$< ($(1)))$$(CC) $$(BASE) -Iad -Isrc $$(FLAGS_$(1)) -DJET_ISA=jet_isa_$(1) $$(CFLAGS) -MMD -MP -c -o $$@ $$<
 endef
 $(foreach isa,$(ISAS),$(eval $(call isa_objects,$(isa))))
 OBJCOPY ?= objcopy

@@ -2,11 +2,11 @@
  * built-in functions, each with its reason. Exceptions are the pragmas of OpenMP, the queries of the processor in
  * isa.c, the exported functions of src/system/bodies.c, and the atomic counter in src/compiled/attach.c. The macros
  * change at most the last bits of results, where a sum is computed as a vector. Generated code begins with this text.
- * The file includes measured.h, so that files and generated code get the measured constants with it. */
+ */
 #ifndef TVI_AD_COMPILER_H
 #define TVI_AD_COMPILER_H
 
-#include "measured.h"
+#include <float.h>
 
 /* Switches off warnings that generated code would give. Generated code contains the text of all rules and calls only
  * some of them, and its constant structures leave out braces and initialisers. */
@@ -57,6 +57,13 @@
 /* Computes a b + c for numbers, as one operation if the processor has one, otherwise by a call of the mathematical
  * library. */
 #define JET_FMA_OF_NUMBERS(a, b, c) __builtin_fma(a, b, c)
+
+/* Computes a b + c for numbers, rounded once if the processor has such an operation. */
+#ifdef __FMA__
+#define JET_FUSED(a, b, c) JET_FMA_OF_NUMBERS(a, b, c)
+#else
+#define JET_FUSED(a, b, c) ((a) * (b) + (c))
+#endif
 
 /* ---- Loops ------------------------------------------------------------------------------------------------------- */
 

@@ -65,14 +65,7 @@ typedef struct {
     jet_pullback_rule *record_pullback;
 } jet_rule;
 
-/* Appends the name of the instruction set, JET_ISA, to names that are compiled once for each set. */
-#ifndef JET_ISA
-#define JET_ISA base
-#endif
-#define JET_PASTE_NOW(name, isa) name##_##isa
-#define JET_PASTE(name, isa)     JET_PASTE_NOW(name, isa)
-#define JET_FOR_ISA(name)        JET_PASTE(name, JET_ISA)
-#define JET_RULE_OF(name)        jet_rule_##name
+#define JET_RULE_OF(name) jet_rule_##name
 
 /* The table of rules, indexed by jet_op. It has NULL for INPUT, CONST, PARAMETER and LINEAR, which need no
  * recurrence. MUL and SQR have no sweeps, since they become sums of products on a tape (sums.h); MUL has a value

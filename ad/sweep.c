@@ -93,8 +93,8 @@ static void sweep_adjoints(const jet_tape *tape, const double *block, double *ad
 }
 
 /* The build says which set it is, and gives all names of other sets than the base its suffix (isa.c). */
-#ifndef JET_SET
-#define JET_SET jet_isa_base
+#ifndef JET_ISA
+#define JET_ISA jet_isa_base
 #endif
 const jet_sweeps jet_interpreter = {
-    JET_SET, sweep_values, sweep_series, sweep_tangents, sweep_one_tangent_per_lane, sweep_adjoints, jet_combine_rows};
+    JET_ISA, sweep_values, sweep_series, sweep_tangents, sweep_one_tangent_per_lane, sweep_adjoints, jet_combine_rows};

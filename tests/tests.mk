@@ -46,7 +46,7 @@ PROGRAMS     := $(addprefix $(BUILD)/check/,$(FOLDERS))
 
 CHECK_CFLAGS = $(shell pkg-config --cflags check)
 CHECK_LIBS   = $(shell pkg-config --libs check) -lquadmath $(LIBS)
-TEST_FLAGS   = $(TOOL) $(if $(HAS_SLEEF),-DJET_SLEEF) -Itests -Ibench/baselines $(CHECK_CFLAGS) $(CFLAGS) -MMD -MP
+TEST_FLAGS   = $(TOOL) $(if $(HAS_SLEEF),-DJET_SLEEF) $(if $(ISAS),-DJET_ISA_X86) -Itests -Ibench/baselines $(CHECK_CFLAGS) $(CFLAGS) -MMD -MP
 QUAD_FLAGS   = $(QUAD) -Isrc -Itests -Ibench/baselines $(CHECK_CFLAGS) $(CFLAGS) -MMD -MP
 
 $(filter-out $(QUAD_OBJECTS),$(TEST_OBJECTS)): $(BUILD)/%.o: %.c
@@ -90,6 +90,7 @@ $(BUILD)/$(1)/check/$(2): $(call objects_of,$(wildcard tests/$(2)/*.c)) $(BUILD)
 endef
 $(foreach folder,$(PLAIN_FOLDERS),$(eval $(call other_program,plain,$(folder))))
 $(foreach folder,$(COVERED_FOLDERS),$(eval $(call other_program,cov,$(folder))))
+$(filter %/library,$(OTHER_PROGRAMS)): $(ISAS:%=$(BUILD)/tests/library/loops_%.o)
 $(filter %/library,$(OTHER_PROGRAMS)): WRAP = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
 $(COVERED_FOLDERS:%=$(BUILD)/cov/check/%): LDFLAGS += --coverage
 
@@ -110,7 +111,7 @@ NARROWER := base $(filter avx2,$(ISAS))
 do-isas: $(addprefix $(BUILD)/check/,ad library events generating ensemble invariance)
 	for set in $(NARROWER); do export TVI_ISA=$$set; \
 	    tests/suites.sh 'identity,series,tangent,adjoint,elementary' $(BUILD)/check/ad && \
-	    tests/suites.sh 'closed forms,structure,stepping,products,linear' $(BUILD)/check/library && \
+	    tests/suites.sh 'closed forms,structure,stepping,products,linear,sums' $(BUILD)/check/library && \
 	    tests/suites.sh rounding $(BUILD)/check/invariance && \
 	    tests/suites.sh '' $(BUILD)/check/events && \
 	    tests/suites.sh 'bits/bits,members' $(BUILD)/check/ensemble && \

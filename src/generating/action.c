@@ -164,10 +164,10 @@ void tvi_action_set_tables(tvi_action *action, const tvi_options *options, tvi_s
 /* ---- The seeds --------------------------------------------------------------------------------------------------- */
 
 static const tvi_curve_code *const code_of_isa[JET_ISA_COUNT] = {
-    [jet_isa_base] = &tvi_curve_code_base,
+    [jet_isa_base] = &tvi_curve_loops,
 #ifdef JET_ISA_X86
-    [jet_isa_avx2] = &tvi_curve_code_avx2,
-    [jet_isa_avx512] = &tvi_curve_code_avx512,
+    [jet_isa_avx2] = &tvi_curve_loops_avx2,
+    [jet_isa_avx512] = &tvi_curve_loops_avx512,
 #endif
 };
 
@@ -178,7 +178,7 @@ const tvi_curve_code *tvi_curve_code_for(const jet_tape *tape) { return code_of_
 tvi_status tvi_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     const bool is_bent = action->is_hamilton && action->is_truncated;
-    const tvi_curve_code *code = is_bent ? &tvi_curve_code_base : tvi_curve_code_for(action->tape);
+    const tvi_curve_code *code = is_bent ? &tvi_curve_loops : tvi_curve_code_for(action->tape);
     const int seeds = (curve->highest_order + 1) * curve->n;
     const tvi_status status = code->seeds(action, curve, seed_Q, seed_U);
     if (status != TVI_OK) return status;
@@ -189,7 +189,7 @@ tvi_status tvi_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[
 tvi_status tvi_action_lagrangian(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
                                  const double p[])
 {
-    return tvi_curve_code_base.lagrangian(action, curve, q, v, p);
+    return tvi_curve_loops.lagrangian(action, curve, q, v, p);
 }
 
 /* ---- Roundoff ---------------------------------------------------------------------------------------------------- */

@@ -11,15 +11,59 @@
 
 #include "algebra/linear_small.h"
 #include "algebra/sizes.h"
-#include "algebra/weigh.h"
-#include "measured.h"
 #include "method/stepper.h"
 #include "system/system.h"
+
+/* [directions] One sweep of tangents has at most this many directions. A block of more would not fit into the cache
+ * (make performance ONE=cost). */
+#define CURVE_TANGENT_DIRECTIONS 8 /* found: make performance ONE=cost */
+/* [1] An unknown smaller than this part of the largest of its group is measured as if it had this size. */
+#define NEWTON_MIN_SCALE 1e-20 /* found: make check-generating */
+/* [1] An old Jacobian leaves at most this relative error in the state, and so does a last correction that is computed
+ * from products of the Jacobian with vectors. The roundoff of a step is much larger. */
+#define CURVE_NEGLIGIBLE_ERROR (DBL_EPSILON / 16) /* found: make check-generating */
 
 /* How the Jacobians of a curve are used: not at all; as matrices, from tangents in all 2n directions; or only in
  * products with vectors, each by one adjoint or one tangent sweep, whose cost is a small multiple of the expansion's
  * for any n. */
 typedef enum { TVI_NO_JACOBIANS, TVI_JACOBIAN_MATRICES, TVI_JACOBIAN_PRODUCTS } tvi_jacobians;
+
+/* Adds sum_r weight[r] row[r * stride + i] to out[i], i < components, or the sum of the magnitudes, from the last row to
+ * the first, so that the small terms of a series come first: as two sums, which the processor adds at the same time. The
+ * sum of a component does not depend on how many components there are. */
+JET_INLINE void add_weighted(size_t count, const double weight[], size_t stride, size_t components, const double row[],
+                             double out[], const bool of_sizes)
+{
+    enum { WIDE = sizeof(jet_widest) / sizeof(double) };
+    size_t i = 0;
+    for (; i + WIDE <= components; i += WIDE) {
+        jet_widest sum[2] = {{0}, {0}};
+        for (size_t r = count; r-- > 0;) {
+            const jet_widest x = *(const jet_widest *)(row + r * stride + i);
+            if (of_sizes) sum[(count - 1 - r) % 2] += weight[r] * JET_ABS(jet_widest, x);
+            else sum[(count - 1 - r) % 2] += weight[r] * x;
+        }
+        *(jet_widest *)(out + i) += sum[0] + sum[1];
+    }
+    for (; i < components; i++) {
+        double sum[2] = {0, 0};
+        for (size_t r = count; r-- > 0;) {
+            const double x = row[r * stride + i];
+            sum[(count - 1 - r) % 2] += weight[r] * (of_sizes ? fabs(x) : x);
+        }
+        out[i] += sum[0] + sum[1];
+    }
+}
+static inline void tvi_add_weighted_rows(size_t count, const double weight[], size_t stride, size_t components,
+                                         const double row[], double out[])
+{
+    add_weighted(count, weight, stride, components, row, out, false);
+}
+static inline void tvi_add_weighted_magnitudes(size_t count, const double weight[], size_t stride, size_t components,
+                                               const double row[], double out[])
+{
+    add_weighted(count, weight, stride, components, row, out, true);
+}
 
 /* A weighted sum of the curve's coefficients, sum_k weight_k Q_k or sum_k weight_k U_k. */
 typedef struct {
@@ -206,7 +250,11 @@ typedef struct {
     void (*multiply_transposed)(tvi_curve *curve, int last_order, const tvi_transposed_product *of, double out[]);
     const struct tvi_end_solver *solver_by_products;
 } tvi_curve_code;
-extern const tvi_curve_code tvi_curve_code_base, tvi_curve_code_avx2, tvi_curve_code_avx512;
+/* What the files of a set define. */
+void tvi_curve_rescale(tvi_curve *curve, double factor, double dq[], double du[]);
+void tvi_multiply_transposed(tvi_curve *curve, int last_order, const tvi_transposed_product *of, double out[]);
+extern const struct tvi_end_solver tvi_solver_by_products;
+extern const tvi_curve_code tvi_curve_loops, tvi_curve_loops_avx2, tvi_curve_loops_avx512;
 /* Returns what is compiled for the instruction set of the tape's sweeps. */
 const tvi_curve_code *tvi_curve_code_for(const jet_tape *tape);
 

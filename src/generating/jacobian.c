@@ -5,6 +5,11 @@
 
 #include <string.h>
 
+/* [coordinates] Separable systems with at least this many coordinates use products of Jacobians with vectors instead of
+ * matrices. Products cost less from 6 coordinates or so on, but stiff systems of few bodies at large steps do better
+ * with matrices, which can be made anew by differences (make performance ONE=cost). */
+#define PRODUCTS_MIN_COORDINATES 8 /* found: make performance ONE=cost */
+
 tvi_jacobians tvi_curve_choose_jacobians(const tvi_system *system)
 {
     return system->form == TVI_SEPARABLE && system->n >= PRODUCTS_MIN_COORDINATES ? TVI_JACOBIAN_PRODUCTS

@@ -5,6 +5,9 @@
 
 #include <string.h>
 
+/* [1] The corrector's Jacobian serves until z has moved by this part: passes then contract by about this factor. */
+#define MATRICES_MAX_MOVEMENT 1e-4 /* found: make check-generating */
+
 typedef struct {
     double *z;              /* [2n] the state z at which the Jacobians of the curve were last computed */
     int computed;           /* how often they were computed in this step */

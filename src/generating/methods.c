@@ -142,3 +142,17 @@ const tvi_descriptor tvi_taylor = {
     .stepper = &tvi_stepper_taylor,
     .curve = {.step_span = {0, 1, 1}},
 };
+
+/* The Galerkin curve (src/galerkin): type I of a curve whose values at the Gauss nodes are unknowns. */
+const tvi_descriptor tvi_galerkin = {
+    .method = TVI_TYPE1,
+    .expansion = TVI_AT_NODES,
+    .title = "type I, nodes",
+    .nodes = {[TVI_NODES_ON_CURVE] = {"galerkin", 2, 0}},
+    .least_degree = 1,
+    .most_degree = TVI_MAX_NODES,
+    .supports = &tvi_supports_all,
+    .adjoint = &tvi_galerkin,
+    .quadrature = TVI_GAUSS_OF_DEGREE,
+    .stepper = &tvi_stepper_galerkin,
+};

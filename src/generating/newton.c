@@ -11,6 +11,24 @@
 #include <math.h>
 #include <string.h>
 
+/* [passes] Newton's method fails after this many passes. */
+#define NEWTON_MAX_PASSES 64 /* found: make check-generating */
+/* [Jacobians] The most that a step renews, after passes that did not contract. */
+#define NEWTON_MAX_REFRESHES 3 /* found: make check-generating */
+/* [1] The scales of unknowns are computed again after a correction larger than this part of one. A smaller correction
+ * leaves at least half of each size. */
+#define NEWTON_SAME_SCALE_MAX_CORRECTION 0.5 /* found: make check-generating */
+/* [1] Corrections that no longer shrink are roundoff if they are at most this part of the largest unknowns, or of the
+ * numbers from which the residual is computed. */
+#define NEWTON_STALLED_CORRECTION (256 * DBL_EPSILON) /* found: make check-generating */
+/* [1] Larger corrections are no roundoff. They show by which factor the contraction ratio, that of a correction to the
+ * one before it, grows from pass to pass. */
+#define NEWTON_GROWTH_MIN_CORRECTION 1e-13 /* found: make check-generating */
+/* [1] An extra pass confirms that the unknowns were converged if its correction is at most this. */
+#define NEWTON_CHECK_MAX_CORRECTION (8 * DBL_EPSILON) /* found: make check-generating */
+/* [1] The expected size of a correction allows for growth of the contraction ratio by at most this factor. */
+#define NEWTON_MAX_RATIO_GROWTH 1e6 /* found: make check-generating */
+
 /* The sizes of the corrections of a pass: the largest correction relative to its unknown's scale, and the largest
  * correction of a group relative to the largest scale of the group. */
 typedef struct {

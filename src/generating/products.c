@@ -10,6 +10,18 @@
 
 #include <float.h>
 
+/* [iterations] Generalised conjugate residuals make at most this many iterations, each with one search direction. */
+#define PRODUCTS_MAX_ITERATIONS 40 /* found: make check-generating */
+/* [orders] The preconditioner includes only the orders of the curve up to this one. */
+#define PRODUCTS_NEAR_ORDER 3 /* found: make check-generating */
+/* [1] A pass need not reduce the residual by more than this factor, since the next pass computes the residual anew. */
+#define PRODUCTS_REDUCTION 1e-6 /* found: make check-generating */
+/* [1] Corrections of conjugate residuals that no longer shrink are roundoff if they are this part of the solution. */
+#define PRODUCTS_STALLED_CORRECTION 1e-12 /* found: make check-generating */
+/* [1] A product of the Jacobian with a vector, to the relative accuracy r, leaves out the last coefficients of the
+ * curve, with |Q_k| below r / PRODUCTS_TRUNCATION_SAFETY |Q_0|. */
+#define PRODUCTS_TRUNCATION_SAFETY 10 /* found: make check-generating */
+
 /* ---- Products with transposed Jacobians -------------------------------------------------------------------------- */
 
 static double *adjoint_of_Q(const tvi_curve *curve, int k) { return curve->adjoints + (size_t)k * curve_stride(curve); }
@@ -39,9 +51,6 @@ static void set_adjoint_seeds(const tvi_curve *curve, int last_order, const tvi_
         for (int i = here; i < here + (int)(sizeof(V) / sizeof(double)); i++)                                          \
             bar[slot[i]] += part * kappa[i] * above[i];                                                                \
     }
-
-#define tvi_multiply_transposed JET_FOR_ISA(tvi_multiply_transposed)
-void tvi_multiply_transposed(tvi_curve *curve, int last_order, const tvi_transposed_product *of, double out[]);
 
 /* Computes the product from high to low orders: the adjoint of order k of the force is Fbar_k = tau^2 / ((k+1)(k+2))
  * M^-1 Qbar_{k+2}; then follow the adjoints of the operations of that order. */
@@ -292,6 +301,4 @@ static void correct(tvi_corrected_curve *c, double correction[])
     }
 }
 
-#define tvi_solver_by_products JET_FOR_ISA(tvi_solver_by_products)
-extern const tvi_end_solver tvi_solver_by_products;
 const tvi_end_solver tvi_solver_by_products = {allocate, begin, solve, NULL, correct};

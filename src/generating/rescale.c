@@ -1,6 +1,5 @@
 /* rescale.c - rescales the coefficients of a Taylor curve to another unit of time and sums them, in one sweep over the
  * coefficients. It is compiled once for each instruction set; taylor.c calls it through tvi_curve_code. */
-#include "fused.h"
 #include "generating/curve.h"
 #include "rule.h"
 
@@ -35,9 +34,9 @@ JET_INLINE void rescale_row(const taylor_rows *rows, const double power[], int k
         const double x_k = x[i] * power[k], size = fabs(x_k);
         x[i] = x_k;
         sums->value[i] += x_k;
-        sums->size[i] = JET_FUSED(jet_v1, k, size, sums->size[i]);
-        if (has_slope) sums->slope[i] = JET_FUSED(jet_v1, k, x_k, sums->slope[i]);
-        if (has_slope) sums->slope_size[i] = JET_FUSED(jet_v1, k - 1, k * size, sums->slope_size[i]);
+        sums->size[i] = JET_FUSED(k, size, sums->size[i]);
+        if (has_slope) sums->slope[i] = JET_FUSED(k, x_k, sums->slope[i]);
+        if (has_slope) sums->slope_size[i] = JET_FUSED(k - 1, k * size, sums->slope_size[i]);
     }
 }
 
@@ -98,9 +97,6 @@ static void compute_powers(double factor, int highest_order, double power[])
             next[i] *= fourth;
         }
 }
-
-#define tvi_curve_rescale JET_FOR_ISA(tvi_curve_rescale)
-void tvi_curve_rescale(tvi_curve *curve, double factor, double dq[], double du[]);
 
 void tvi_curve_rescale(tvi_curve *curve, double factor, double dq[], double du[])
 {

@@ -26,12 +26,20 @@
  * separable system L_v - p is 0. There g. - tau H_p is 0, too, if the degree of p is that of g less 1. */
 #include "generating/action.h"
 #include "algebra/passes.h"
-#include "fused.h"
 #include "sums.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
+
+/* [iterations] Newton's method for the momenta of the nodes, H_p = v, fails after this many (suite statements of
+ * build/check/generating). */
+#define MOMENTA_MAX_ITERATIONS 50 /* found: make check-generating */
+/* [1] Corrections of the momenta of the nodes that no longer shrink are roundoff if they are this part of the largest
+ * momentum. */
+#define MOMENTA_STALLED_CORRECTION 1e-13 /* found: make check-generating */
+/* [1] H_pp is reused as long as each correction is less than this part of the one before. */
+#define MOMENTA_REUSE_MAX_RATIO 1e-3 /* found: make check-generating */
 
 /* The largest number of even orders or of odd orders of a curve, and of the nodes in a half, in whole vectors. */
 enum { HALF = (TVI_MAX_DEGREE + 2) / 2 + 4 };
@@ -62,7 +70,7 @@ static void set_times(const tvi_action *action, const tvi_curve *curve)
     double *t = action->slots + inputs * action->nodes;
     if (!curve->system->uses_time) return;
     for (int node = 0; node < action->nodes; node++)
-        t[node] = JET_FUSED(jet_v1, curve->tau, action->s[node], curve_Q(curve, 0)[inputs]);
+        t[node] = JET_FUSED(curve->tau, action->s[node], curve_Q(curve, 0)[inputs]);
 }
 
 /* Computes the velocities v = (dq/ds)/tau at the nodes. */
@@ -414,13 +422,5 @@ static tvi_status evaluate_lagrangian(tvi_action *action, tvi_curve *curve, cons
     return compute_lagrange(action, curve, true);
 }
 
-/* What the other files that are compiled for the set define. */
-#define tvi_curve_rescale       JET_FOR_ISA(tvi_curve_rescale)
-#define tvi_multiply_transposed JET_FOR_ISA(tvi_multiply_transposed)
-#define tvi_solver_by_products  JET_FOR_ISA(tvi_solver_by_products)
-void tvi_curve_rescale(tvi_curve *curve, double factor, double dq[], double du[]);
-void tvi_multiply_transposed(tvi_curve *curve, int last_order, const tvi_transposed_product *of, double out[]);
-extern const struct tvi_end_solver tvi_solver_by_products;
-
-const tvi_curve_code JET_FOR_ISA(tvi_curve_code) = {compute_seeds, evaluate_lagrangian, tvi_curve_rescale,
-                                                    tvi_multiply_transposed, &tvi_solver_by_products};
+const tvi_curve_code tvi_curve_loops = {compute_seeds, evaluate_lagrangian, tvi_curve_rescale, tvi_multiply_transposed,
+                                        &tvi_solver_by_products};

@@ -18,7 +18,7 @@ typedef struct {
 
 /* The suffix of an instruction set is given by tests.mk. */
 extern const galerkin_loops loops;
-#ifdef __x86_64__
+#ifdef JET_ISA_X86
 extern const galerkin_loops loops_avx2, loops_avx512;
 #endif
 
@@ -28,7 +28,7 @@ enum { LANE_COUNTS = 3 };
 static const int lane_counts[LANE_COUNTS] = {4, 8, GALERKIN_MAX_LANES};
 static inline const galerkin_loops *loops_of(int isa, int index)
 {
-#ifdef __x86_64__
+#ifdef JET_ISA_X86
     if (isa == jet_isa_avx2 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return &loops_avx2;
     if (isa == jet_isa_avx512 && lane_counts[index] == 8 && __builtin_cpu_supports("avx512f") &&
         __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))

@@ -1,9 +1,8 @@
 /* test_chains.c - Tests that the two functions that sum weighted rows of curves agree to the bit: that of combinations
  * and that of series. They are written for different layouts of vectors, but in the same two chains of terms. */
-#define CURVE_ONE_SET
 #include "sums.h"
 
-#include "algebra/weigh.h"
+#include "generating/curve.h"
 #include "problems/random.h"
 #include "suites.h"
 
