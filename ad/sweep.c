@@ -96,5 +96,10 @@ static void sweep_adjoints(const jet_tape *tape, const double *block, double *ad
 #ifndef JET_ISA
 #define JET_ISA jet_isa_base
 #endif
-const jet_sweeps jet_interpreter = {
-    JET_ISA, sweep_values, sweep_series, sweep_tangents, sweep_one_tangent_per_lane, sweep_adjoints, jet_combine_rows};
+const jet_sweeps jet_interpreter = {.isa = JET_ISA,
+                                    .values = sweep_values,
+                                    .series = sweep_series,
+                                    .tangents = sweep_tangents,
+                                    .one_tangent_per_lane = sweep_one_tangent_per_lane,
+                                    .adjoints = sweep_adjoints,
+                                    .combine = jet_combine_rows};

@@ -53,7 +53,8 @@ typedef struct jet_sweeps jet_sweeps;
 
 /* A recorded function as a straight-line program. The counts are the lengths of the arrays below. */
 typedef struct {
-    /* The sweeps that run the tape: those of the interpreter, or of generated code (emit.h). */
+    /* The sweeps that run the tape: those of the interpreter (jet_tape_create, sweep.c), or of generated code (emit.h).
+     */
     const jet_sweeps *sweeps;
     const jet_sweeps *interpreter_sweeps; /* The sweeps of the interpreter. */
     int input_count, constant_count, parameter_count, slot_count, run_count, linear_operation_count, term_count,

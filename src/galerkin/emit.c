@@ -2,6 +2,7 @@
  * constants, and then the text of steps.h and generated.h. */
 #include "galerkin/galerkin.h"
 
+/* The text of generated.h and of what it includes, as ad/embed.awk makes it (Makefile). */
 extern const char *const tvi_embedded_galerkin[];
 
 static void emit_list(jet_text *text, const char *name, int count, const int value[])

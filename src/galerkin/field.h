@@ -22,14 +22,14 @@ typedef struct {
 } galerkin_field;
 
 #ifdef GALERKIN_LANES
-/* Generated code has the tapes as functions. */
+/* Generated code has the tapes as functions: emit.c defines the macros, ad/emitted.h VALUES_OF. */
 JET_INLINE bool galerkin_sweep(const galerkin_field *field, bool with_hessian)
 {
     return with_hessian ? GALERKIN_HESSIAN_VALUES(field->block[true]) : GALERKIN_VALUES(field->block[false]);
 }
 
 /* Evaluates the tape for one vector of nodes after the other, if its operations are functions of their own
- * (GALERKIN_IS_ SPLIT): all numbers stay in registers, and the impulses alone are stored. Returns false if an operand
+ * (GALERKIN_IS_SPLIT): all numbers stay in registers, and the impulses alone are stored. Returns false if an operand
  * is outside its domain. */
 JET_INLINE bool galerkin_impulses_by_registers(const galerkin_nodes *nodes)
 {

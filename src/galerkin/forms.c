@@ -77,7 +77,7 @@ static void allocate_hessian(galerkin_stepper *stepper, tvi_arena *arena)
     field->block[false] = tvi_arena_allocate_block(arena, system->field_values, 1, lanes, 0);
     field->block[true] = tvi_arena_allocate_block(arena, system->hessian_values, 1, lanes, (size_t)lanes);
     stepper->tape_block = field->block[false];
-    stepper->per_impulse = tvi_arena_allocate_doubles(arena, (size_t)lanes * (size_t)lanes);
+    stepper->predicted_by_impulse = tvi_arena_allocate_doubles(arena, (size_t)lanes * (size_t)lanes);
     stepper->element_column = tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entry_count * sizeof(int));
     stepper->element_slot = tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entry_count * sizeof(int));
     stepper->row_end = tvi_arena_allocate(arena, 2 * (size_t)system->n * sizeof *stepper->row_end);
@@ -220,14 +220,14 @@ void tvi_galerkin_set_form(galerkin_stepper *stepper)
         /* The outputs of the tape are F for a separable system, (H_q, H_p) otherwise. */
         for (int u = 0; u < unknowns; u++)
             stepper->rate_row[u] = system->field_values->output_slot[step->is_separable ? u : rate_of(stepper, u)];
-        stepper->per_impulse = stepper->coefficients.nu;
+        stepper->predicted_by_impulse = stepper->coefficients.nu;
         return;
     }
     list_hessian(system, stepper->element_column, stepper->element_slot, stepper->row_end);
     for (int u = 0; u < unknowns; u++) stepper->rate_row[u] = unknowns + u;
     for (int i = 0; i < lanes; i++) {
         const int node = i < step->nodes.node_count ? i : step->nodes.node_count - 1;
-        stepper->per_impulse[node * lanes + i] = 1 / stepper->coefficients.b[node];
+        stepper->predicted_by_impulse[node * lanes + i] = 1 / stepper->coefficients.b[node];
     }
     for (int i = 0; i < 2; i++) step->field.slot[i] = stepper->slot[i];
     if (step->form == GALERKIN_LAGRANGIAN) set_lagrangian(stepper);

@@ -139,6 +139,7 @@ static tvi_status predict_first_step(galerkin_stepper *stepper, const tvi_step_o
                                      tvi_stats *stats)
 {
     galerkin_step *step = &stepper->step;
+    /* As galerkin_make_steps will do for this step: the prediction needs both. */
     step->nodes.impulse = galerkin_ring_at(step, (int)stepper->predictor.history->ring_index + 1);
     galerkin_set_drift(step, origin);
     if (elapsed) {

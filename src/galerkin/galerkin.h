@@ -54,8 +54,10 @@ typedef struct {
     galerkin_probe probe;
     double *increment_scale; /* [2n] the factors of the sums of impulses in the increments of q and p */
     double *rate_scale;      /* [unknowns] 1 / h, the factor of sums of impulses in predicted rates */
-    double *per_impulse;     /* [j][i] what the prediction computes per impulse: nu_ij, or rates, 1 / b_i if i = j */
-    double *tape_block;      /* the block of the field's values, whose inputs include the time */
+    /* [j][i] What the prediction makes of an impulse of node j at node i: an unknown, nu_ij; or in forms with second
+     * derivatives a rate times h, which is 1 / b_i of its own impulse. */
+    double *predicted_by_impulse;
+    double *tape_block; /* the block of the field's values, whose inputs include the time */
     /* The lists of the step, its field and its passes. */
     int *rate_row, *slot[2], *unknown_of_row, *index_in_block, *row_end, *element_column, *element_slot;
     tvi_legendre_transform legendre;               /* of a Lagrangian */

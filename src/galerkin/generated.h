@@ -111,6 +111,7 @@ JET_INLINE void generated_use_hamiltonian(hamiltonian_pass *pass, generated_hami
     pass->per_size = own->per_size;
 }
 
+/* Makes steps as galerkin_make_steps does, with a copy of the step whose sizes are constants. */
 static void galerkin_make_generated_steps(const galerkin_step *of, const tvi_run_request *run,
                                           const tvi_step_origin *origin, const tvi_run_state *state,
                                           galerkin_outcome *outcome)

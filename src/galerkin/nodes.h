@@ -60,7 +60,8 @@ JET_INLINE node_vec node_larger(node_vec a, node_vec b)
 }
 
 /* In the library a loop is a function of its own, which can use all registers. In generated code, where all sizes are
- * constants, it is inlined. BY_LANES executes the call with the constant `lanes`. */
+ * constants, it is inlined. BY_LANES executes the call, which reads the constant `lanes`. A
+ * set with vectors of 8 nodes is used with 8 lanes alone (tvi_choose_stepper). */
 #define WITH_LANES(count, call)                                                                                        \
     {                                                                                                                  \
         enum { lanes = count };                                                                                        \
@@ -90,7 +91,7 @@ typedef struct {
     /* A pass moves all unknowns if moving_count is their number, and otherwise the first moving_count coordinates and
      * the first moving_count momenta: the last coordinates are cyclic, and their momenta constant. */
     int moving_count;
-    double *x;                 /* the unknowns */
+    double *x; /* the unknowns; of GALERKIN_PLAIN (steps.h) the block of the tape, which begins with them */
     double *drift, *drift_low; /* the unknowns without impulses, in two parts */
     double *impulse;           /* the impulses L_j of the last movement, stored in the history */
     double *start;             /* [unknown_count] the unknowns at the start of the step */

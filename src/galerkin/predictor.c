@@ -4,11 +4,9 @@
 /* [1] After a step whose first pass moved the unknowns by more than this part, root mean square, the next step is
  * predicted from the last one alone. */
 #define GALERKIN_ROUGH_PREDICTION 1e-2 /* found: make longrun */
-/* [1] A step is predicted from the last one if its size, divided by that of the last step, is in this range. A step in
- * the opposite direction has a negative quotient. */
-/* A predicted step is at most this many times as long as the last one. */
+/* [1] A step is predicted from the last one if its size, divided by that of the last step, is at most this. */
 #define GALERKIN_PREDICTION_MAX_RATIO 1.5 /* found: make longrun */
-/* The least quotient; if negative, the step goes back. */
+/* [1] The least such quotient. A step in the opposite direction has a negative one. */
 #define GALERKIN_PREDICTION_BACK_RATIO (-2) /* found: make longrun */
 
 void tvi_galerkin_allocate_predictor(galerkin_stepper *stepper, tvi_arena *arena)
@@ -35,9 +33,10 @@ void tvi_galerkin_set_predictor(galerkin_stepper *stepper)
     galerkin_predictor *predictor = &stepper->predictor;
     galerkin_step *step = &stepper->step;
     const int m = step->nodes.node_count, lanes = step->nodes.lane_count, unknowns = step->nodes.unknown_count;
-    tvi_galerkin_extrapolation(&stepper->coefficients, 2, m > 1 ? 3 * m / 2 : 1, stepper->per_impulse,
+    tvi_galerkin_extrapolation(&stepper->coefficients, 2, m > 1 ? 3 * m / 2 : 1, stepper->predicted_by_impulse,
                                predictor->two_step_table);
-    tvi_galerkin_extrapolation(&stepper->coefficients, 1, m - 1, stepper->per_impulse, predictor->last_step_table);
+    tvi_galerkin_extrapolation(&stepper->coefficients, 1, m - 1, stepper->predicted_by_impulse,
+                               predictor->last_step_table);
     step->two_step_table = predictor->two_step_table;
     step->last_step_table = predictor->last_step_table;
     step->two_step_max_movement = unknowns * lanes * (GALERKIN_ROUGH_PREDICTION * GALERKIN_ROUGH_PREDICTION);
@@ -85,6 +84,6 @@ void tvi_galerkin_predict_resized(galerkin_stepper *stepper, double elapsed)
     set_resized_table(stepper, step->h / predictor->history->last_h, elapsed);
     tvi_galerkin_evaluate(&at, predictor->resized_table, galerkin_ring_at(step, (int)predictor->history->ring_index),
                           predictor->rates);
-    tvi_galerkin_predict(step, &(galerkin_extrapolation){stepper->per_impulse, stepper->per_impulse, predictor->rates,
-                                                         predictor->rates, true});
+    tvi_galerkin_predict(step, &(galerkin_extrapolation){stepper->predicted_by_impulse, stepper->predicted_by_impulse,
+                                                         predictor->rates, predictor->rates, true});
 }

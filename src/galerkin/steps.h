@@ -6,9 +6,9 @@
  * and for any other system, with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q,
  *    (Q, P)_i = (q0, p0) + h sum_j a_ij (V, F)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (V, F)_j.
  *
- * A step predicts the unknowns (nodes.h), makes passes until they are at rest, sums the impulses and computes the tail
- * (ends.h). The library compiles this text in galerkin.c, once for each instruction set; generated code contains it,
- * with the sizes of its system as constants (emit.c). */
+ * Lanes, impulses and rates are those of nodes.h. A step predicts the unknowns, makes passes until they are at rest,
+ * sums the impulses and computes the tail (ends.h). The library compiles this text in galerkin.c, once for each
+ * instruction set; generated code contains it, with the sizes of its system as constants (emit.c). */
 #ifndef TVI_SRC_GALERKIN_STEPS_H
 #define TVI_SRC_GALERKIN_STEPS_H
 
@@ -110,8 +110,9 @@ static inline void galerkin_predict_from_ring(const galerkin_step *step, const g
 
 /* ---- A pass ------------------------------------------------------------------------------------------------------ */
 
-/* Moves the unknowns by the rates, which the tape computes from them. Returns false if an operand is outside its
- * domain. */
+/* Moves the unknowns by the rates, which the tape computes from them: nodes.x is the block of the tape, whose inputs
+ * are the unknowns and whose outputs have the rates (forms.c). Returns false if an operand is outside its domain.
+ * Generated code (GALERKIN_LANES is defined there alone, by emit.c) may evaluate a small tape in registers. */
 static inline bool galerkin_make_plain_pass(const galerkin_step *step, double *movement)
 {
 #ifdef GALERKIN_LANES
@@ -157,8 +158,9 @@ tvi_status tvi_galerkin_make_probed_pass(galerkin_step *step, const tvi_step_ori
                                          double *roundoff, galerkin_counts *counts);
 #endif
 
-/* Makes passes until the rule ends them. If their movements no longer shrink, the library measures the roundoff of a
- * pass; generated code returns TVI_ENOCONV, and the library makes the step again. */
+/* Makes passes until the rule ends them; the sizes that the rule sees are movements, sums of squares. If their
+ * movements no longer shrink, the library measures the roundoff of a pass; generated code returns TVI_ENOCONV, and the
+ * library makes the step again. */
 static inline tvi_status galerkin_make_passes(galerkin_step *step, const tvi_step_origin *origin,
                                               galerkin_convergence *convergence, double *movement,
                                               galerkin_counts *counts)
@@ -170,12 +172,12 @@ static inline tvi_status galerkin_make_passes(galerkin_step *step, const tvi_ste
     tvi_convergence_begin(&test, convergence->contraction);
     *movement = 0;
     for (long made = 0; made < rule->max_passes; made = counts->passes - before) {
-        const bool suspects = is_stuck && test.roundoff == 0 && made + 1 < rule->max_passes;
+        const bool may_be_roundoff = is_stuck && test.roundoff == 0 && made + 1 < rule->max_passes;
 #ifdef GALERKIN_LANES
         (void)origin;
-        const tvi_status status = suspects ? TVI_ENOCONV : galerkin_make_pass(step, movement, counts);
+        const tvi_status status = may_be_roundoff ? TVI_ENOCONV : galerkin_make_pass(step, movement, counts);
 #else
-        const tvi_status status = suspects
+        const tvi_status status = may_be_roundoff
                                       ? tvi_galerkin_make_probed_pass(step, origin, movement, &test.roundoff, counts)
                                       : galerkin_make_pass(step, movement, counts);
 #endif
@@ -234,7 +236,8 @@ static inline bool galerkin_add_step(int n, const tvi_run_request *run, const tv
 
 /* ---- Steps in a row ---------------------------------------------------------------------------------------------- */
 
-/* Makes steps in a row from the origin, and adds them to `state`. If `state` is NULL, makes a single step and adds
+/* Makes steps of size step->h in a row from the origin, and adds them to `state`. h is in nodes.hb, nodes.scale and
+ * nodes.m_over_h (tvi_galerkin_set_step_size). If `state` is NULL, makes a single step and adds
  * nothing. If outcome->equal_step_count is 0, the caller has set the unknowns of the first step. */
 static inline void galerkin_make_steps(galerkin_step *step, const tvi_run_request *run, const tvi_step_origin *origin,
                                        const tvi_run_state *state, galerkin_outcome *outcome)

@@ -28,9 +28,9 @@
  * for any n. */
 typedef enum { TVI_NO_JACOBIANS, TVI_JACOBIAN_MATRICES, TVI_JACOBIAN_PRODUCTS } tvi_jacobians;
 
-/* Adds sum_r weight[r] row[r * stride + i] to out[i], i < components, or the sum of the magnitudes, from the last row to
- * the first, so that the small terms of a series come first: as two sums, which the processor adds at the same time. The
- * sum of a component does not depend on how many components there are. */
+/* Adds sum_r weight[r] row[r * stride + i] to out[i], i < components, or the sum of the magnitudes, from the last row
+ * to the first, so that the small terms of a series come first: as two sums, which the processor adds at the same time.
+ * The sum of a component does not depend on how many components there are. */
 JET_INLINE void add_weighted(size_t count, const double weight[], size_t stride, size_t components, const double row[],
                              double out[], const bool of_sizes)
 {

@@ -52,7 +52,7 @@ typedef struct {
     double start_p_correction_factor[2], increment_p_correction_factor[2];
 } tvi_curve_end_correction_factors;
 
-/* ---- Methods ------------------------------------------------------------------------------------------------------- */
+/* ---- Methods ----------------------------------------------------------------------------------------------------- */
 
 /* The forms of systems, as bits: separable, with a Lagrangian, with a Hamiltonian whose H_pp is regular, with one
  * whose H_pp is singular everywhere, and driven. */

@@ -62,7 +62,7 @@ static bool has_energy_change_bound(const tvi_integrator *it)
 /* ---- The reference energy ---------------------------------------------------------------------------------------- */
 
 /* A potential has an arbitrary constant, so |H| is no measure of the size of a motion. The guard measures the energy of
- * a member from a zero level (tvi_reference_energy), which is an energy without momentum, H(q, 0):
+ * an orbit from a zero level (tvi_reference_energy), which is an energy without momentum, H(q, 0):
  *   - the limit of H(c q, 0) for large c, if there is one, as for bodies that attract each other. q are the coordinates
  *     at the end of the step; the start is not used, since q = 0 would give a constant H(c q, 0).
  *   - Without a limit the level is the lowest H(q, 0) along straight lines from the state, up to the point from which

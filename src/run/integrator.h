@@ -50,8 +50,8 @@ struct tvi_integrator {
     const tvi_tape_block *blocks; /* the memory in which tapes are evaluated */
     tvi_options options;          /* the user's options, completed by default values */
     tvi_stats stats;              /* the counts of steps */
-    const tvi_stepper *stepper;
-    void *work;    /* the memory of the stepper */
+    const tvi_stepper *stepper;   /* makes the steps (tvi_choose_stepper) */
+    void *work;                   /* the memory of the stepper */
     char *history; /* [history_bytes] all numbers that one step leaves to the next one: states, predictions */
     /* [copied_history_bytes] A copy of the first part of the history, as it was before the last step was tried. */
     char *history_before;

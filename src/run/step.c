@@ -92,7 +92,7 @@ static tvi_status compute_increments(tvi_integrator *it, double tolerance)
     const tvi_status status =
         tolerance > 0 ? stepper->step_within_tolerance(it->work, tolerance, &it->h, &origin, increments, &it->stats)
                       : stepper->step(it->work, it->h, &origin, increments, &it->stats);
-    it->increments.dq[dimension] = it->h;
+    it->increments.dq[dimension] = it->h; /* the independent variable of the steps, which add_increments adds */
     return status;
 }
 
@@ -247,10 +247,10 @@ tvi_status tvi_make_steps(tvi_integrator *it, long most_steps, double tolerance,
     if (!t || !q || !p || h == 0 || !isfinite(h)) return tvi_refuse_invalid_run_arguments(given, "");
     tvi_status status = tvi_integrator_begin_step(it, *t, q, p);
     if (status != TVI_OK) return status;
-    const bool in_rows = tolerance == 0;
     const double *state = &it->state.q[it->system->n], way = copysign(1, h);
     for (long k = 0; status == TVI_OK && k < most_steps && (k == 0 || way * (t_end - *state) > 0); k++) {
-        if (in_rows) k += make_unchecked_steps(it, most_steps - 1 - k, h, t_end);
+        /* The last step is made alone, and so is the only step of tvi_step. */
+        if (tolerance == 0) k += make_unchecked_steps(it, most_steps - 1 - k, h, t_end);
         status = make_step(it, tolerance, h);
         if (status != TVI_OK) status = add_step_to_error_text(it, status);
     }
