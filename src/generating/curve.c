@@ -78,14 +78,16 @@ tvi_status tvi_curve_factor_L_vv(tvi_curve *curve)
     return tvi_factor_compute(&curve->L_vv);
 }
 
-/* Sets Q_k = tau V_{k-1} / k, and V_k = 0. */
+/* Sets Q_k = tau V_{k-1} / k, and V_k = 0. Vectors are of lanes, not of components: V_{k-1} was stored number by
+ * number, and a load that covers several short stores has to wait for the cache. */
 static void set_lagrangian_Q(const tvi_curve *curve, int k, int lanes, const double *previous, double *restrict order)
 {
-    const int count = curve->n * lanes;
-    for (int i = 0; i < count; i++) {
-        order[i] = curve->tau * previous[count + i] / k;
-        order[count + i] = 0;
-    }
+    const int n = curve->n;
+    for (int i = 0; i < n; i++)
+        for (int lane = 0; lane < lanes; lane++) {
+            order[i * lanes + lane] = curve->tau * previous[(n + i) * lanes + lane] / k;
+            order[(n + i) * lanes + lane] = 0;
+        }
 }
 
 #define ADD_VELOCITY(V, S)                                                                                             \
