@@ -68,9 +68,11 @@ JET_INLINE node_vec node_larger(node_vec a, node_vec b)
         call;                                                                                                          \
     }
 #ifdef GALERKIN_LANES
-#define NODE_LOOP              JET_INLINE
-#define NODE_COUNT_OF(nodes)   ((void)(nodes), GALERKIN_NODE_COUNT)
-#define BY_LANES(number, call) WITH_LANES(GALERKIN_LANES, call)
+#define NODE_LOOP            JET_INLINE
+#define NODE_COUNT_OF(nodes) ((void)(nodes), GALERKIN_NODE_COUNT)
+#define BY_LANES(number, call)                                                                                         \
+    (void)(number);                                                                                                    \
+    WITH_LANES(GALERKIN_LANES, call)
 #else
 #define NODE_LOOP            JET_APART
 #define NODE_COUNT_OF(nodes) ((nodes)->node_count)
