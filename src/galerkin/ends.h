@@ -178,10 +178,10 @@ NODE_LOOP double galerkin_compute_tail(const galerkin_tail *tail)
 typedef struct {
     int lane_count, points, count;
     const double *theta, *start, *move, *scale;
-} galerkin_points;
+} galerkin_curve_points;
 
-JET_INLINE void evaluate_vectors(const galerkin_points *at, const double *table, const double *L, double *restrict out,
-                                 const int lanes, const int points)
+JET_INLINE void evaluate_vectors(const galerkin_curve_points *at, const double *table, const double *L,
+                                 double *restrict out, const int lanes, const int points)
 {
     for (int v = 0; v < points / NODE_VEC; v++) {
         const node_vec theta = node_load(at->theta, v);
@@ -196,8 +196,8 @@ JET_INLINE void evaluate_vectors(const galerkin_points *at, const double *table,
     }
 }
 
-JET_INLINE void evaluate_one(const galerkin_points *at, const double *table, const double *L, double *restrict out,
-                             const int lanes)
+JET_INLINE void evaluate_one(const galerkin_curve_points *at, const double *table, const double *L,
+                             double *restrict out, const int lanes)
 {
     for (int u = 0; u < at->count; u++) {
         double sum[PARTIAL_SUMS] = {0};
@@ -206,7 +206,7 @@ JET_INLINE void evaluate_one(const galerkin_points *at, const double *table, con
     }
 }
 
-NODE_LOOP void galerkin_evaluate(const galerkin_points *at, const double *table, const double *L, double *out)
+NODE_LOOP void galerkin_evaluate(const galerkin_curve_points *at, const double *table, const double *L, double *out)
 {
     BY_LANES(at->lane_count, if (at->points == 1) evaluate_one(at, table, L, out, lanes);
              else if (at->points == TVI_SAMPLES) evaluate_vectors(at, table, L, out, lanes, TVI_SAMPLES);

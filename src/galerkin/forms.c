@@ -58,9 +58,9 @@ static hamiltonian_pass *allocate_hamiltonian(galerkin_stepper *stepper, tvi_are
     pass.packed = tvi_arena_allocate(arena, unknowns * unknowns * width * sizeof *pass.packed);
     pass.size = tvi_arena_allocate_doubles(arena, unknowns);
     pass.per_size = tvi_arena_allocate_doubles(arena, unknowns);
-    float **const vectors[] = {&pass.change, &pass.total, &pass.impulse_change, &pass.total_impulse};
+    float **const vectors[] = {&pass.dx, &pass.dx_sum, &pass.dL, &pass.dL_sum};
     for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_allocate(arena, unknowns * width * sizeof(float));
-    pass.impulse_changes = tvi_arena_allocate_doubles(arena, unknowns * lanes);
+    pass.added_impulse = tvi_arena_allocate_doubles(arena, unknowns * lanes);
     stepper->unknown_of_row = tvi_arena_allocate(arena, unknowns * sizeof(int));
     stepper->index_in_block = tvi_arena_allocate(arena, unknowns * unknowns * sizeof(int));
     if (taken) *taken = pass;
@@ -145,7 +145,7 @@ static int rate_of(const galerkin_stepper *stepper, int unknown)
 
 static int row_begin(const galerkin_stepper *stepper, int row) { return row > 0 ? stepper->row_end[row - 1] : 0; }
 
-static bool has_elements(const galerkin_stepper *stepper, int row)
+static bool has_hessian_row(const galerkin_stepper *stepper, int row)
 {
     return row_begin(stepper, row) < stepper->row_end[row];
 }
@@ -155,7 +155,7 @@ static bool has_elements(const galerkin_stepper *stepper, int row)
  * the momentum is constant. */
 static bool is_inner(const galerkin_stepper *stepper, int unknown)
 {
-    return has_elements(stepper, unknown) && has_elements(stepper, rate_of(stepper, unknown));
+    return has_hessian_row(stepper, unknown) && has_hessian_row(stepper, rate_of(stepper, unknown));
 }
 
 /* Appends to unknown_of_row, which has `count` elements, the unknowns whose rates depend on unknowns, and that take
@@ -163,7 +163,7 @@ static bool is_inner(const galerkin_stepper *stepper, int unknown)
 static int append_rows(galerkin_stepper *stepper, bool inner, int count)
 {
     for (int u = 0; u < stepper->step.nodes.unknown_count; u++)
-        if (has_elements(stepper, rate_of(stepper, u)) && is_inner(stepper, u) == inner)
+        if (has_hessian_row(stepper, rate_of(stepper, u)) && is_inner(stepper, u) == inner)
             stepper->unknown_of_row[count++] = u;
     return count;
 }
@@ -208,7 +208,7 @@ static void set_lagrangian(galerkin_stepper *stepper)
     pass->row_end = stepper->row_end;
     pass->invert_by_exchanges = tvi_galerkin_invert_by_exchanges;
     pass->by_exchanges = &pass->L_vv;
-    pass->lu_factor = &stepper->legendre.jacobian_factor;
+    pass->L_vv_factor = &stepper->legendre.jacobian_factor;
 }
 
 void tvi_galerkin_set_form(galerkin_stepper *stepper)

@@ -166,7 +166,7 @@ tvi_status tvi_galerkin_make_pass(const galerkin_step *step, double *movement, g
     return galerkin_make_pass(step, movement, counts);
 }
 
-void tvi_galerkin_evaluate(const galerkin_points *at, const double *table, const double *L, double *out)
+void tvi_galerkin_evaluate(const galerkin_curve_points *at, const double *table, const double *L, double *out)
 {
     galerkin_evaluate(at, table, L, out);
 }
@@ -248,7 +248,7 @@ static void integrate_impulses(const galerkin_stepper *stepper, tvi_component_ra
                                const double *move, const double *scale, double *x)
 {
     const int lanes = stepper->step.nodes.lane_count, from = range.first;
-    const galerkin_points at = {lanes, points, range.end - from, theta, start + from, move + from, scale + from};
+    const galerkin_curve_points at = {lanes, points, range.end - from, theta, start + from, move + from, scale + from};
     if (at.count > 0) galerkin_evaluate(&at, integral, L + from * lanes, x + from * points);
 }
 

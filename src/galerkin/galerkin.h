@@ -74,7 +74,7 @@ void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h);
 void tvi_galerkin_move(const galerkin_step *step);
 void tvi_galerkin_predict(const galerkin_step *step, const galerkin_extrapolation *by);
 tvi_status tvi_galerkin_make_pass(const galerkin_step *step, double *movement, galerkin_counts *counts);
-void tvi_galerkin_evaluate(const galerkin_points *at, const double *table, const double *L, double *out);
+void tvi_galerkin_evaluate(const galerkin_curve_points *at, const double *table, const double *L, double *out);
 
 /* ---- forms.c: the three forms of the equations ------------------------------------------------------------------- */
 

@@ -38,10 +38,10 @@ typedef struct {
 } generated_lagrangian;
 typedef struct {
     _Alignas(64) float packed[(IS_PACKED ? PACKED : 0) + 1];
-    _Alignas(64) float change[SINGLE_ROWS * SINGLE_LANES(GALERKIN_LANES) + 1];
-    _Alignas(64) float total[SINGLE_ROWS * SINGLE_LANES(GALERKIN_LANES) + 1];
-    _Alignas(64) float impulse_change[SINGLE_ROWS * SINGLE_LANES(GALERKIN_LANES) + 1];
-    _Alignas(64) float total_impulse[SINGLE_ROWS * SINGLE_LANES(GALERKIN_LANES) + 1];
+    _Alignas(64) float dx[SINGLE_ROWS * SINGLE_LANES(GALERKIN_LANES) + 1];
+    _Alignas(64) float dx_sum[SINGLE_ROWS * SINGLE_LANES(GALERKIN_LANES) + 1];
+    _Alignas(64) float dL[SINGLE_ROWS * SINGLE_LANES(GALERKIN_LANES) + 1];
+    _Alignas(64) float dL_sum[SINGLE_ROWS * SINGLE_LANES(GALERKIN_LANES) + 1];
     double size[SINGLE_ROWS + 1], per_size[SINGLE_ROWS + 1];
 } generated_hamiltonian;
 
@@ -103,10 +103,10 @@ JET_INLINE void generated_use_hamiltonian(hamiltonian_pass *pass, generated_hami
     /* The lanes of single precision after those of double precision are 0. */
     if (SINGLE_LANES(GALERKIN_LANES) > GALERKIN_LANES) memset(own, 0, sizeof *own);
     pass->packed = own->packed;
-    pass->change = own->change;
-    pass->total = own->total;
-    pass->impulse_change = own->impulse_change;
-    pass->total_impulse = own->total_impulse;
+    pass->dx = own->dx;
+    pass->dx_sum = own->dx_sum;
+    pass->dL = own->dL;
+    pass->dL_sum = own->dL_sum;
     pass->size = own->size;
     pass->per_size = own->per_size;
 }

@@ -56,10 +56,9 @@ typedef struct {
     float *nu;                 /* [lanes][single lanes] nu_ij (nodes.h) */
     float *packed;             /* [columns][rows of the group][single lanes] for each group: the elements */
     double *size, *per_size;   /* [rows] the size of each unknown in this step, and its reciprocal */
-    float *change, *total;     /* [rows][single lanes] d_k, and the sum of all d_k */
-    float *impulse_change,
-        *total_impulse;      /* [rows][single lanes] the changes of the impulses by `change` and `total` */
-    double *impulse_changes; /* [unknowns][lanes] total_impulse in the unit of the impulses */
+    float *dx, *dx_sum;        /* [rows][single lanes] d_k, and the sum of all d_k */
+    float *dL, *dL_sum;        /* [rows][single lanes] the changes of the impulses by dx and by dx_sum */
+    double *added_impulse;     /* [unknowns][lanes] dL_sum in the unit of the impulses, for the movement of the pass */
     /* The movement of the last pass, a sum of squares; INFINITY before the first pass of a step. */
     double last_movement;
 } hamiltonian_pass;
@@ -103,8 +102,8 @@ JET_INLINE void pack_hessian(const galerkin_nodes *nodes, const hamiltonian_pass
     }
 }
 
-/* Sets `group` rows of `out`, from row `first` on, to the changes of the impulses by `change` of the unknowns. */
-JET_INLINE void change_group(const hamiltonian_pass *pass, const float *change, int first, const int group, float *out,
+/* Sets `group` rows of `out`, from row `first` on, to the changes of the impulses by the changes dx of the unknowns. */
+JET_INLINE void set_dL_group(const hamiltonian_pass *pass, const float *dx, int first, const int group, float *out,
                              const int lanes)
 {
     enum { MOST = SINGLE_LANES(GALERKIN_MAX_LANES) / SINGLE_VEC };
@@ -115,45 +114,43 @@ JET_INLINE void change_group(const hamiltonian_pass *pass, const float *change, 
         for (int v = 0; v < vectors; v++) sum[i][v] = (single_vec){0};
     for (int column = 0; column < pass->columns; column++)
         for (int i = 0; i < group; i++, packed += width)
-            for (int v = 0; v < vectors; v++)
-                sum[i][v] += single_load(packed, v) * single_load(change + column * width, v);
+            for (int v = 0; v < vectors; v++) sum[i][v] += single_load(packed, v) * single_load(dx + column * width, v);
     for (int i = 0; i < group; i++)
         for (int v = 0; v < vectors; v++) single_store(out + (first + i) * width, v, sum[i][v]);
 }
 
 /* Sets the rows of `out` up to the end of the group that contains row end_row - 1 to the changes of the impulses by
- * `change` of the unknowns. The size of a full group is a constant in the call. */
-JET_INLINE void change_impulses(const hamiltonian_pass *pass, const float *change, int end_row, float *out,
-                                const int lanes)
+ * the changes dx of the unknowns. The size of a full group is a constant in the call. */
+JET_INLINE void set_dL(const hamiltonian_pass *pass, const float *dx, int end_row, float *out, const int lanes)
 {
     for (int first = 0; first < end_row; first += ROWS_PER_GROUP) {
         const int group = hamiltonian_group(pass, first);
-        if (group == ROWS_PER_GROUP) change_group(pass, change, first, ROWS_PER_GROUP, out, lanes);
-        else change_group(pass, change, first, group, out, lanes);
+        if (group == ROWS_PER_GROUP) set_dL_group(pass, dx, first, ROWS_PER_GROUP, out, lanes);
+        else set_dL_group(pass, dx, first, group, out, lanes);
     }
 }
 
 /* ---- The changes of the unknowns --------------------------------------------------------------------------------- */
 
-/* Computes `change` from impulse_change, and adds it to `total`. Returns the sum of the squares of `change`, in the
+/* Computes dx from dL, and adds it to dx_sum. Returns the sum of the squares of dx, in the
  * unit of the unknowns. */
-JET_INLINE double change_unknowns(const hamiltonian_pass *pass, const int lanes)
+JET_INLINE double set_dx(const hamiltonian_pass *pass, const int lanes)
 {
     const int width = SINGLE_LANES(lanes), vectors = width / SINGLE_VEC;
-    const float *L = pass->impulse_change;
-    float *change = pass->change, *total = pass->total;
+    const float *L = pass->dL;
+    float *dx = pass->dx, *sum_of_dx = pass->dx_sum;
     single_vec squares = {0}, nu[SINGLE_VEC];
     float part[SINGLE_VEC];
     for (int j = 0; j < (vectors == 1 ? lanes : 0); j++) nu[j] = single_load(pass->nu + j * width, 0);
-    for (int i = 0; i < pass->columns; i++, L += width, change += width, total += width)
+    for (int i = 0; i < pass->columns; i++, L += width, dx += width, sum_of_dx += width)
         for (int v = 0; v < vectors; v++) {
             single_vec sum[PARTIAL_SUMS] = {0};
             for (int j = 0; j < lanes; j++)
                 sum[j % PARTIAL_SUMS] += (vectors == 1 ? nu[j] : single_load(pass->nu + j * width, v)) * L[j];
             sum[0] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
             squares += sum[0] * sum[0];
-            single_store(change, v, sum[0]);
-            single_store(total, v, single_load(total, v) + sum[0]);
+            single_store(dx, v, sum[0]);
+            single_store(sum_of_dx, v, single_load(sum_of_dx, v) + sum[0]);
         }
     single_store(part, 0, squares);
     for (int half = SINGLE_VEC / 2; half > 0; half /= 2)
@@ -161,7 +158,7 @@ JET_INLINE double change_unknowns(const hamiltonian_pass *pass, const int lanes)
     return INNER_UNIT * INNER_UNIT * (double)part[0];
 }
 
-/* Sets impulse_change to the impulses of the current rates minus those of the last movement, and `total` to 0. */
+/* Sets dL to the impulses of the current rates minus those of the last movement, and dx_sum to 0. */
 JET_INLINE void begin_inner_iterations(const galerkin_nodes *nodes, const hamiltonian_pass *pass, const double *rates,
                                        const int slot[], const int lanes)
 {
@@ -171,9 +168,8 @@ JET_INLINE void begin_inner_iterations(const galerkin_nodes *nodes, const hamilt
         const double factor = pass->per_size[i] / INNER_UNIT;
         for (int v = 0; v < lanes / NODE_VEC; v++) {
             const node_vec L = node_load(nodes->hb, v) * node_load(rates + slot[u] * lanes, v);
-            node_store_single(pass->impulse_change + i * width, v,
-                              factor * (L - node_load(nodes->impulse + u * lanes, v)));
-            node_store_single(pass->total + i * width, v, (node_vec){0});
+            node_store_single(pass->dL + i * width, v, factor * (L - node_load(nodes->impulse + u * lanes, v)));
+            node_store_single(pass->dx_sum + i * width, v, (node_vec){0});
         }
     }
 }
@@ -181,15 +177,16 @@ JET_INLINE void begin_inner_iterations(const galerkin_nodes *nodes, const hamilt
 /* Makes the inner iterations of a pass. They end when the square of the next change is expected to be at most the
  * larger of least_goal and GALERKIN_INNER_GOAL times the square of the error of the expansion to first order. If the
  * second derivatives are used again (is_new is false), last_movement shows how far the unknowns are from their point.
- * impulse_changes becomes the sum of the changes of the impulses, or 0 if the changes of the unknowns do not shrink. */
-JET_INLINE void iterate_inner(const galerkin_nodes *nodes, const hamiltonian_pass *pass, const double *block,
-                              const double *rates, const int slot[], bool is_new, double least_goal, const int lanes)
+ * added_impulse becomes the sum of the changes of the impulses, or 0 if the changes of the unknowns do not shrink. */
+JET_INLINE void run_inner_iterations(const galerkin_nodes *nodes, const hamiltonian_pass *pass, const double *block,
+                                     const double *rates, const int slot[], bool is_new, double least_goal,
+                                     const int lanes)
 {
     double before = INFINITY, earlier;
     int count = 0;
     if (is_new) pack_hessian(nodes, pass, block, lanes);
     begin_inner_iterations(nodes, pass, rates, slot, lanes);
-    const double first = change_unknowns(pass, lanes);
+    const double first = set_dx(pass, lanes);
     const double second_order =
         GALERKIN_INNER_GOAL * first * (is_new ? first : pass->last_movement) / (nodes->unknown_count * lanes);
     const double goal = tvi_larger(second_order, least_goal);
@@ -197,23 +194,23 @@ JET_INLINE void iterate_inner(const galerkin_nodes *nodes, const hamiltonian_pas
     do {
         earlier = before;
         before = now;
-        change_impulses(pass, pass->change, pass->columns, pass->impulse_change, lanes);
-        now = change_unknowns(pass, lanes);
+        set_dL(pass, pass->dx, pass->columns, pass->dL, lanes);
+        now = set_dx(pass, lanes);
     } while (++count < GALERKIN_MAX_INNER_ITERATIONS && (now * now > goal * before || now * before > goal * earlier) &&
              (now < before || now < earlier));
-    change_impulses(pass, pass->total, pass->rows, pass->total_impulse, lanes);
+    set_dL(pass, pass->dx_sum, pass->rows, pass->dL_sum, lanes);
     if (!(now <= first))
-        memset(pass->impulse_changes, 0, (size_t)(nodes->unknown_count * lanes) * sizeof *pass->impulse_changes);
+        memset(pass->added_impulse, 0, (size_t)(nodes->unknown_count * lanes) * sizeof *pass->added_impulse);
     for (int i = 0; i < (now <= first ? pass->rows : 0); i++)
         for (int v = 0; v < lanes / NODE_VEC; v++)
-            node_store(pass->impulse_changes + pass->unknown_of_row[i] * lanes, v,
-                       INNER_UNIT * pass->size[i] * node_load_single(pass->total_impulse + i * SINGLE_LANES(lanes), v));
+            node_store(pass->added_impulse + pass->unknown_of_row[i] * lanes, v,
+                       INNER_UNIT * pass->size[i] * node_load_single(pass->dL_sum + i * SINGLE_LANES(lanes), v));
 }
 
 NODE_LOOP void hamiltonian_iterate(const galerkin_nodes *nodes, const hamiltonian_pass *pass, const double *block,
                                    const double *rates, const int slot[], bool is_new, double least_goal)
 {
-    BY_LANES(nodes->lane_count, iterate_inner(nodes, pass, block, rates, slot, is_new, least_goal, lanes));
+    BY_LANES(nodes->lane_count, run_inner_iterations(nodes, pass, block, rates, slot, is_new, least_goal, lanes));
 }
 
 /* ---- A pass ------------------------------------------------------------------------------------------------------ */
@@ -250,7 +247,7 @@ static inline bool hamiltonian_make_pass(hamiltonian_pass *pass, const galerkin_
         pass->size[i] = 1 / pass->per_size[i];
     }
     hamiltonian_iterate(nodes, pass, field->block[true], rates, slot, is_new, least);
-    pass->last_movement = nodes_move_with_changes(nodes, rates, pass->impulse_changes, slot);
+    pass->last_movement = nodes_move_with_changes(nodes, rates, pass->added_impulse, slot);
     return true;
 }
 

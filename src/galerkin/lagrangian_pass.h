@@ -49,11 +49,11 @@ typedef struct {
     const int *column, *slot, *row_end;
     node_matrix L_vv;
     /* Inverts L_vv with row exchanges, where elimination without them fails. Generated code, too, calls it with arrays
-     * of the library (by_exchanges, lu_factor): of a local array whose address a function gets a compiler has to
+     * of the library (by_exchanges, L_vv_factor): of a local array whose address a function gets a compiler has to
      * assume that other pointers may point to it. */
     bool (*invert_by_exchanges)(const node_matrix *matrix, int lanes, void *lu_factor);
     const node_matrix *by_exchanges;
-    void *lu_factor;      /* the tvi_lu_factor of one node after the other */
+    void *L_vv_factor;    /* the tvi_lu_factor of one node after the other */
     long inversions;      /* the number of times that L_vv was inverted at all nodes */
     double last_movement; /* as in hamiltonian_pass.h */
 } lagrangian_pass;
@@ -250,7 +250,7 @@ static inline lagrangian_result lagrangian_invert(lagrangian_pass *pass, int n, 
     pass->inversions++;
     if (nodes_invert(&pass->L_vv, lanes)) return LAGRANGIAN_PASSED;
     memmove(pass->by_exchanges->matrix, L_vv, bytes);
-    if (pass->invert_by_exchanges(pass->by_exchanges, lanes, pass->lu_factor)) {
+    if (pass->invert_by_exchanges(pass->by_exchanges, lanes, pass->L_vv_factor)) {
         memmove(pass->L_vv.inverse, pass->by_exchanges->inverse, bytes);
         return LAGRANGIAN_PASSED;
     }

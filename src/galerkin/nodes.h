@@ -329,7 +329,7 @@ JET_INLINE void set_changed_impulse_rows(const galerkin_nodes *nodes, const doub
 /* Moves the unknowns by the impulses: x = drift + y with y = drift_low + scale sum_j nu_ij L_j. If `moved`
  * [unknowns][lanes] is not NULL, it gets y. Returns the movement: the sum of the squares of (change of x) per_size,
  * which is a NaN if any change is a NaN. */
-JET_INLINE double move_rows(const galerkin_nodes *of, double *moved, const int lanes)
+JET_INLINE double move_unknowns(const galerkin_nodes *of, double *moved, const int lanes)
 {
     const int block = lanes / NODE_VEC % MAX_BLOCK == 0 ? MAX_BLOCK : 1;
     const galerkin_nodes copy = *of, *const nodes = &copy;
@@ -361,7 +361,8 @@ JET_INLINE double move_rows(const galerkin_nodes *of, double *moved, const int l
 NODE_LOOP double nodes_move(const galerkin_nodes *nodes, const double *rates, const int slot[], double *moved)
 {
     double movement;
-    BY_LANES(nodes->lane_count, set_impulse_rows(nodes, rates, slot, lanes); movement = move_rows(nodes, moved, lanes));
+    BY_LANES(nodes->lane_count, set_impulse_rows(nodes, rates, slot, lanes);
+             movement = move_unknowns(nodes, moved, lanes));
     return movement;
 }
 
@@ -371,7 +372,7 @@ NODE_LOOP double nodes_move_with_changes(const galerkin_nodes *nodes, const doub
 {
     double movement;
     BY_LANES(nodes->lane_count, set_changed_impulse_rows(nodes, rates, change, slot, lanes);
-             movement = move_rows(nodes, NULL, lanes));
+             movement = move_unknowns(nodes, NULL, lanes));
     return movement;
 }
 

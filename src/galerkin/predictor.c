@@ -65,7 +65,7 @@ static void set_resized_table(galerkin_stepper *stepper, double ratio, double el
     if (ratio == predictor->ratio && elapsed == predictor->elapsed) return;
     predictor->ratio = ratio;
     predictor->elapsed = elapsed;
-    const galerkin_points at = {lanes, lanes, m, c, predictor->zeros, predictor->zeros, predictor->ones};
+    const galerkin_curve_points at = {lanes, lanes, m, c, predictor->zeros, predictor->zeros, predictor->ones};
     double place[GALERKIN_MAX_LANES] = {0}, P[GALERKIN_MAX_LANES * GALERKIN_MAX_LANES] = {0};
     for (int i = 0; i < lanes; i++) place[i] = elapsed + ratio * c[i];
     tvi_galerkin_legendre(&stepper->polynomials, lanes, place, P);
@@ -79,7 +79,7 @@ void tvi_galerkin_predict_resized(galerkin_stepper *stepper, double elapsed)
     galerkin_predictor *predictor = &stepper->predictor;
     const galerkin_step *step = &stepper->step;
     const int lanes = step->nodes.lane_count;
-    const galerkin_points at = {
+    const galerkin_curve_points at = {
         lanes, lanes, step->nodes.unknown_count, step->c, predictor->zeros, predictor->zeros, predictor->ones};
     set_resized_table(stepper, step->h / predictor->history->last_h, elapsed);
     tvi_galerkin_evaluate(&at, predictor->resized_table, galerkin_ring_at(step, (int)predictor->history->ring_index),

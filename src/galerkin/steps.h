@@ -118,7 +118,7 @@ static inline bool galerkin_make_plain_pass(const galerkin_step *step, double *m
 #ifdef GALERKIN_LANES
     if (GALERKIN_IS_SPLIT) {
         if (!galerkin_impulses_by_registers(&step->nodes)) return false;
-        *movement = move_rows(&step->nodes, NULL, GALERKIN_LANES);
+        *movement = move_unknowns(&step->nodes, NULL, GALERKIN_LANES);
         return true;
     }
 #endif

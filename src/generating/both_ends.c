@@ -48,7 +48,7 @@ typedef struct {
     double *y, *v, *pi, *dpi_ds;      /* [n][points] the blend of both curves at the nodes */
     /* [n][points] The derivatives of the action by y_i and v_i at node i, and by the difference a - b there. If v is
      * the derivative of the blend, the action depends on a - b also through v. */
-    double *by_y, *by_v, *by_difference;
+    double *S_y, *S_v, *S_difference;
     double *row;            /* [points] scratch: one component of a series at the nodes */
     double *z_a;            /* [2n] z of a */
     double *velocity_guess; /* [n] a Lagrangian's velocity at the last predictor; part of the history */
@@ -105,7 +105,7 @@ static void *allocate(tvi_arena *arena, const tvi_system *system, const tvi_opti
     w.q_at_end = tvi_curve_sum_allocate(&w.a.curve, arena);
     w.v_at_end = tvi_curve_sum_allocate(&w.a.curve, arena);
     tvi_allocate_each(arena, n * points,
-                      (double **[]){&w.y, &w.v, &w.pi, &w.dpi_ds, &w.by_y, &w.by_v, &w.by_difference, NULL});
+                      (double **[]){&w.y, &w.v, &w.pi, &w.dpi_ds, &w.S_y, &w.S_v, &w.S_difference, NULL});
     w.row = tvi_arena_allocate_doubles(arena, points);
     tvi_allocate_each(arena, 2 * n,
                       (double **[]){&w.z_a, &w.start_correction_p, &w.increment_correction_p, &w.last_dq, &w.last_dp,
@@ -154,8 +154,8 @@ static void evaluate_series(const work *w, int lowest, int degree, const double 
 }
 
 /* Adds w a, or (1 - w) b, to out. */
-static void add_blended(const work *w, const end_curve *x, int degree, const double *c, size_t stride,
-                        const double *table, double out[])
+static void add_blended_series(const work *w, const end_curve *x, int degree, const double *c, size_t stride,
+                               const double *table, double out[])
 {
     evaluate_series(w, 0, degree, c, stride, table);
     for (int node = 0; node < w->points; node++) out[node] += x->blend[node] * w->row[node];
@@ -179,16 +179,16 @@ static void blend_component(const work *w, const end_curve *x, int i)
     const double *power = x->action.power.all, *slope = x->action.slope.all;
     const double Q_0_difference = curve_Q(&w->a.curve, 0)[i] - curve_Q(&w->b.curve, 0)[i],
                  P_0_difference = w->a.P[i] - w->b.P[i];
-    add_blended(w, x, degree, Q, stride, power, w->y + at);
-    add_blended(w, x, degree, Q, stride, slope, w->v + at);
+    add_blended_series(w, x, degree, Q, stride, power, w->y + at);
+    add_blended_series(w, x, degree, Q, stride, slope, w->v + at);
     if (w->options->nodes == TVI_NODES_ON_CURVE) add_to_b_minus_a(w, x, degree, Q, stride, Q_0_difference, w->v + at);
-    add_blended(w, x, degree - 1, P, n, power, w->pi + at);
-    add_blended(w, x, degree - 1, P, n, slope, w->dpi_ds + at);
+    add_blended_series(w, x, degree - 1, P, n, power, w->pi + at);
+    add_blended_series(w, x, degree - 1, P, n, slope, w->dpi_ds + at);
     add_to_b_minus_a(w, x, degree - 1, P, n, P_0_difference, w->dpi_ds + at);
 }
 
 /* Computes R of one curve from the seeds, the derivatives of the action by each coefficient Q_k. */
-static void compute_R(const work *w, end_curve *x)
+static void compute_gradient_R(const work *w, end_curve *x)
 {
     const int n = w->n, points = w->points;
     for (int i = 0; i < n; i++)
@@ -197,8 +197,8 @@ static void compute_R(const work *w, end_curve *x)
             double sum = 0;
             for (int node = 0; node < points; node++) {
                 const int at = i * points + node;
-                const double blended = x->blend[node] * (power[node] * w->by_y[at] + slope[node] * w->by_v[at]);
-                sum += w->a.action.weight[node] * (blended + x->sign * power[node] * w->by_difference[at]);
+                const double blended = x->blend[node] * (power[node] * w->S_y[at] + slope[node] * w->S_v[at]);
+                sum += w->a.action.weight[node] * (blended + x->sign * power[node] * w->S_difference[at]);
             }
             x->seed_Q[k * n + i] = sum;
         }
@@ -224,12 +224,12 @@ static tvi_status compute_gradient(work *w)
     const tvi_status status = tvi_action_lagrangian(&w->a.action, &w->a.curve, w->y, w->v, w->pi);
     if (status != TVI_OK) return status;
     for (int i = 0; i < count; i++) {
-        w->by_y[i] = w->a.action.by_q[i] - (w->has_pi ? w->dpi_ds[i] : 0);
-        w->by_v[i] = w->a.action.by_v[i] + (w->has_pi ? 0 : w->pi[i]);
-        w->by_difference[i] = on_curve ? -w->by_v[i] : w->has_pi ? w->pi[i] : 0;
+        w->S_y[i] = w->a.action.by_q[i] - (w->has_pi ? w->dpi_ds[i] : 0);
+        w->S_v[i] = w->a.action.by_v[i] + (w->has_pi ? 0 : w->pi[i]);
+        w->S_difference[i] = on_curve ? -w->S_v[i] : w->has_pi ? w->pi[i] : 0;
     }
-    compute_R(w, &w->a);
-    compute_R(w, &w->b);
+    compute_gradient_R(w, &w->a);
+    compute_gradient_R(w, &w->b);
     return TVI_OK;
 }
 

@@ -9,13 +9,13 @@
 #define MATRICES_MAX_MOVEMENT 1e-4 /* found: make check-generating */
 
 typedef struct {
-    double *z;              /* [2n] the state z at which the Jacobians of the curve were last computed */
-    int computed;           /* how often they were computed in this step */
-    int computed_at_factor; /* `computed` when A was last factored: the factors are valid if it is the same */
-    bool has_J;             /* whether the corrector's Jacobian J = d(q-, u-)/dz was computed in this step */
-    double moved;           /* how far z has moved since J was computed, relative to the size of z */
-    double *G;              /* [n][2n] scratch: the Jacobian of a sum */
-    tvi_lu_factor A;        /* the factors of A: n x n, or 2n x 2n */
+    double *z;                  /* [2n] the state z at which the Jacobians of the curve were last computed */
+    int computed;               /* how often they were computed in this step */
+    int computed_when_factored; /* `computed` when A was last factored: the factors are valid if it is the same */
+    bool has_J;                 /* whether the corrector's Jacobian J = d(q-, u-)/dz was computed in this step */
+    double moved;               /* how far z has moved since J was computed, relative to the size of z */
+    double *G;                  /* [n][2n] scratch: the Jacobian of a sum */
+    tvi_lu_factor A;            /* the factors of A: n x n, or 2n x 2n */
 } tvi_matrices;
 
 static void allocate(tvi_corrected_curve *c, tvi_arena *arena)
@@ -32,7 +32,7 @@ static void allocate(tvi_corrected_curve *c, tvi_arena *arena)
 static void begin(tvi_corrected_curve *c)
 {
     tvi_matrices *m = c->solver_memory;
-    m->computed = m->computed_at_factor = 0;
+    m->computed = m->computed_when_factored = 0;
     m->has_J = false;
 }
 
@@ -133,8 +133,8 @@ static tvi_status solve(tvi_corrected_curve *c, const double z[], const double s
         stats->factorisations++;
     }
     tvi_curve_multiply_seeds(&c->curve, c->seed_Q, c->seed_U, c->D_z);
-    if (m->computed_at_factor != m->computed) {
-        m->computed_at_factor = m->computed;
+    if (m->computed_when_factored != m->computed) {
+        m->computed_when_factored = m->computed;
         const tvi_status status = factor_A(c);
         if (status != TVI_OK) return status;
     }

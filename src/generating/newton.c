@@ -41,7 +41,7 @@ typedef struct {
     double growth;                         /* the growth for which the expected size of the next correction allows */
     double unconfirmed; /* a greater growth that the last correction suggests and that no later one has confirmed */
     bool must_confirm;  /* whether one more pass must confirm the expected convergence */
-} newton_record;
+} newton_progress;
 
 /* ---- Scales and sizes -------------------------------------------------------------------------------------------- */
 
@@ -138,13 +138,13 @@ void tvi_newton_set_rules(tvi_newton *newton, const tvi_options *options, bool m
 /* Begins the passes of a solution. The first contraction is often better than the later ones: first corrections are
  * mostly of the highest orders, on which the part of the Jacobian that the approximation omits has little effect. The
  * first solution therefore makes one pass more than seems needed, and measures the later contraction. */
-static newton_record begin_passes(const tvi_newton *newton)
+static newton_progress begin_passes(const tvi_newton *newton)
 {
     const double known_growth = *newton->known_growth;
-    newton_record record = {.growth = tvi_larger(known_growth, 1),
-                            .must_confirm = newton->unknown_rule.exact_passes == 0 &&
-                                            newton->unknown_rule.max_trusted_ratio > 0 &&
-                                            (known_growth == 0 || newton->makes_extra_pass)};
+    newton_progress record = {.growth = tvi_larger(known_growth, 1),
+                              .must_confirm = newton->unknown_rule.exact_passes == 0 &&
+                                              newton->unknown_rule.max_trusted_ratio > 0 &&
+                                              (known_growth == 0 || newton->makes_extra_pass)};
     tvi_convergence_begin(&record.unknowns, 0);
     tvi_convergence_begin(&record.groups, 0);
     return record;
@@ -152,7 +152,7 @@ static newton_record begin_passes(const tvi_newton *newton)
 
 /* Updates the growth for a correction of this size. A greater growth that one correction suggests is accepted only if
  * the next correction contracts again, because roundoff does not contract. */
-static void update_growth(newton_record *record, const tvi_stopping_rule *rule, double size)
+static void update_growth(newton_progress *record, const tvi_stopping_rule *rule, double size)
 {
     const tvi_convergence_test *test = &record->unknowns;
     const bool contracts = size <= rule->stall_ratio * test->size;
@@ -165,7 +165,7 @@ static void update_growth(newton_record *record, const tvi_stopping_rule *rule, 
 
 /* Adds a pass with corrections of these sizes, and judges it. If it returns TVI_PASSES_STUCK, the caller measures
  * whether the correction is roundoff. */
-static tvi_passes_verdict judge_pass(newton_record *record, const tvi_newton *newton, const correction_sizes *sizes)
+static tvi_passes_verdict judge_pass(newton_progress *record, const tvi_newton *newton, const correction_sizes *sizes)
 {
     const tvi_stopping_rule *rule = &newton->unknown_rule;
     const double expected = record->unknowns.expected_next_size;
@@ -228,7 +228,7 @@ static void solve_with_jacobian(const tvi_newton *newton, const tvi_equations *e
  * NEWTON_STALLED_CORRECTION times the sum is at least ROUNDOFF_MAX_UNITS times the change. The linear equations are
  * solved for the roundoff of each group of the residual separately, and the magnitudes of the solutions are added, so
  * that the groups cannot cancel each other. */
-static bool is_correction_roundoff(tvi_newton *newton, const tvi_equations *equations, newton_record *record)
+static bool is_correction_roundoff(tvi_newton *newton, const tvi_equations *equations, newton_progress *record)
 {
     const size_t bytes = (size_t)newton->size * sizeof(double);
     double *change = newton->trial_x, *roundoff = newton->trial_r;
@@ -277,7 +277,7 @@ static tvi_status make_pass(tvi_newton *newton, const tvi_equations *equations, 
 
 tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, tvi_stats *stats)
 {
-    newton_record record = begin_passes(newton);
+    newton_progress record = begin_passes(newton);
     int refreshes = 0;
     bool is_stuck = false, needs_scales = true;
     for (int count = 1; count <= newton->unknown_rule.max_passes; count++) {

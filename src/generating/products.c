@@ -173,7 +173,7 @@ static void add_multiple(int rows, double factor, const double x[], double *rest
 
 /* Makes the image v of direction number `index` orthogonal to the earlier images, changes s with it, and sets
  * x += s (r, v)/(v, v), r -= v (r, v)/(v, v). */
-static void minimise_residual(tvi_corrected_curve *c, int last_order, int index)
+static void minimise_along_direction(tvi_corrected_curve *c, int last_order, int index)
 {
     tvi_residuals *it = c->solver_memory;
     const int rows = it->rows;
@@ -229,7 +229,7 @@ static tvi_status solve_for_x(tvi_corrected_curve *c)
             (verdict == TVI_PASSES_STUCK && size <= PRODUCTS_STALLED_CORRECTION * scaled_norm(it, it->x));
         /* With a second sum all rows are solved for, and no residual is needed. */
         if (may_end && lower_sum(c)) add_multiple(it->rows, 1, s, it->x);
-        else minimise_residual(c, order_for_accuracy(c, goal < size ? goal / size : 1), index);
+        else minimise_along_direction(c, order_for_accuracy(c, goal < size ? goal / size : 1), index);
         it->has_guess = may_end;
         if (may_end) return TVI_OK;
     }

@@ -43,7 +43,7 @@ typedef struct {
     tvi_stats *stats;
     double tau;
     /* Of steps of adapted size. */
-    double *last_size;                   /* the size of the last such step, or 0; history */
+    double *last_step_size;              /* the size of the last such step, or 0; history */
     double tolerance, log_tolerance;     /* the tolerance of the last such step, and its logarithm */
     double *end_slots;                   /* the slots of the field's tape at the end of such a step, if separable */
     tvi_roundoff_estimator end_roundoff; /* the roundoff of the field there */

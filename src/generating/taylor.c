@@ -193,7 +193,7 @@ static bool meets_force_at_end(tvi_curve_work *w, double h, const tvi_increments
 void tvi_taylor_allocate(tvi_curve_work *w, tvi_arena *arena)
 {
     const tvi_system *system = w->c.curve.system;
-    w->last_size = tvi_arena_allocate_copied(arena, sizeof(double));
+    w->last_step_size = tvi_arena_allocate_copied(arena, sizeof(double));
     tvi_refine_allocate(&w->refinement, arena, &w->c.curve);
     if (system->form != TVI_SEPARABLE) return;
     w->end_slots = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
@@ -238,7 +238,7 @@ tvi_status tvi_taylor_step_to_tolerance(void *self, double tolerance, double *h,
 {
     tvi_curve_work *w = self;
     tvi_curve *curve = &w->c.curve;
-    const double before = *w->last_size;
+    const double before = *w->last_step_size;
     double usable;
     w->origin = origin;
     w->stats = stats;
@@ -261,7 +261,7 @@ tvi_status tvi_taylor_step_to_tolerance(void *self, double tolerance, double *h,
         is_chosen = true;
         tvi_step_taylor_increments(w, *h, increments);
     }
-    if (is_chosen) *w->last_size = fabs(*h);
+    if (is_chosen) *w->last_step_size = fabs(*h);
     if (is_chosen && origin->t + *h == origin->t) return TVI_ENOCONV;
     stats->tail = tvi_curve_tail(curve);
     if (tolerance < REFINE_MAX_TOLERANCE && curve->system->form != TVI_LAGRANGIAN)
