@@ -229,7 +229,8 @@ static bool are_operands_adjacent(const graph_lowering *lowering, tape_placement
     return true;
 }
 
-/* Tells whether the operations of each adjacency class in the group read adjacent slots. */
+/* Tells whether the operations of each adjacency class in the group (those whose results have to be adjacent) read
+ * adjacent slots. */
 static bool are_class_operands_adjacent(const graph_lowering *lowering, tape_placement *const group[], int count)
 {
     for (int begin = 0, end = 0; begin < count; begin = end) {

@@ -12,10 +12,11 @@ typedef struct {
     size_t hashed_byte_count; /* Number of bytes that the sweeps read, and that are hashed. */
 } tape_array;
 
-/* Lists all arrays of a tape. jet_tape_free frees them, and jet_tape_continue_hash hashes them. */
+/* The number of arrays of a tape. */
 enum { TAPE_ARRAYS = 10 };
 _Static_assert(sizeof(jet_run_of_operations) == 9 * sizeof(int) + 2 * sizeof(short) + sizeof(double),
                "A run, whose bytes are hashed, has no gaps.");
+/* Lists all arrays of a tape. jet_tape_free frees them, and jet_tape_continue_hash hashes them. */
 static void list_tape_arrays(const jet_tape *tape, tape_array list[TAPE_ARRAYS])
 {
     const size_t terms = (size_t)tape->term_count;

@@ -100,13 +100,13 @@ static inline void *tvi_arena_allocate(tvi_arena *arena, size_t bytes)
     return tvi_arena_reserve_piece(arena->memory, &arena->bytes_outside_history, bytes, ARENA_ALIGNMENT);
 }
 
-/* Allocates an array of this size in the copied history. */
+/* Allocates an array of this size in the copied history, which is restored after a failed step. */
 static inline void *tvi_arena_allocate_copied(tvi_arena *arena, size_t bytes)
 {
     return tvi_arena_reserve_piece(arena->history, &arena->copied_history_bytes, bytes, ARENA_COPIED_ALIGNMENT);
 }
 
-/* Allocates an array of this size in the uncopied history. */
+/* Allocates an array of this size in the uncopied history, which a failed step may leave changed. */
 static inline void *tvi_arena_allocate_uncopied(tvi_arena *arena, size_t bytes)
 {
     return tvi_arena_reserve_piece(arena->uncopied_history, &arena->uncopied_history_bytes, bytes, ARENA_ALIGNMENT);

@@ -128,26 +128,26 @@ typedef struct {
     bool is_separable, has_masses;
     tvi_subsystems subsystems;
     galerkin_sums sums;
-    double per_end_weight;    /* 1 / b_j of the first and the last node */
-    const double *scale;      /* [n] that of the nodes */
-    double *per_scale;        /* [n] 1 / |scale| */
-    const double *q, *p, *dp; /* [n] the state at the start of the step, and the increment of p */
-    double *share, *ratio;    /* [n] scratch space: the share of each component, and its last term's ratio */
+    double inverse_end_weight; /* 1 / b_j of the first and the last node */
+    const double *scale;       /* [n] that of the nodes */
+    double *inverse_scale;     /* [n] 1 / |scale| */
+    const double *q, *p, *dp;  /* [n] the state at the start of the step, and the increment of p */
+    double *share, *ratio;     /* [n] scratch space: the share of each component, and its last term's ratio */
 } galerkin_tail;
 
 /* Returns the magnitudes of component i from which its tail is computed; of_p is the index of its momentum's sums. */
 JET_INLINE tvi_component_sizes_in_step galerkin_component_sizes(const galerkin_tail *tail, int i, int of_p)
 {
     const double *last = tail->sums.last_term, *ends = tail->sums.ends;
-    tvi_component_sizes_in_step sizes = {.momentum_size =
-                                             fabs(tail->p[i]) + (fabs(tail->dp[i]) + ends[of_p] * tail->per_end_weight),
+    tvi_component_sizes_in_step sizes = {.momentum_size = fabs(tail->p[i]) +
+                                                          (fabs(tail->dp[i]) + ends[of_p] * tail->inverse_end_weight),
                                          .p_change_by_last_term = last[of_p],
                                          .q_change_by_last_term = tail->is_separable ? 0 : last[i],
                                          .coordinate_size = fabs(tail->q[i])};
     sizes.one_over_momentum_size = 1 / tvi_larger(sizes.momentum_size, TVI_LEAST_SIZE);
     sizes.q_change_size =
-        tail->is_separable ? fabs(tail->scale[i]) * sizes.momentum_size : ends[i] * tail->per_end_weight;
-    sizes.one_over_q_change_size = tail->is_separable ? tail->per_scale[i] * sizes.one_over_momentum_size
+        tail->is_separable ? fabs(tail->scale[i]) * sizes.momentum_size : ends[i] * tail->inverse_end_weight;
+    sizes.one_over_q_change_size = tail->is_separable ? tail->inverse_scale[i] * sizes.one_over_momentum_size
                                                       : 1 / tvi_larger(sizes.q_change_size, TVI_LEAST_SIZE);
     return sizes;
 }

@@ -57,7 +57,7 @@ static hamiltonian_pass *allocate_hamiltonian(galerkin_stepper *stepper, tvi_are
     pass.nu = tvi_arena_allocate(arena, lanes * width * sizeof *pass.nu);
     pass.packed = tvi_arena_allocate(arena, unknowns * unknowns * width * sizeof *pass.packed);
     pass.size = tvi_arena_allocate_doubles(arena, unknowns);
-    pass.per_size = tvi_arena_allocate_doubles(arena, unknowns);
+    pass.inverse_size = tvi_arena_allocate_doubles(arena, unknowns);
     float **const vectors[] = {&pass.dx, &pass.dx_sum, &pass.dL, &pass.dL_sum};
     for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_allocate(arena, unknowns * width * sizeof(float));
     pass.added_impulse = tvi_arena_allocate_doubles(arena, unknowns * lanes);

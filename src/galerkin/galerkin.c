@@ -37,7 +37,7 @@ static void allocate_nodes(galerkin_nodes *nodes, tvi_arena *arena, const tvi_sy
     nodes->hb = tvi_arena_allocate_doubles(arena, lanes);
     nodes->start = tvi_arena_allocate_doubles(arena, unknowns);
     nodes->scale = tvi_arena_allocate_doubles(arena, unknowns);
-    nodes->per_size = tvi_arena_allocate_doubles(arena, unknowns);
+    nodes->inverse_size = tvi_arena_allocate_doubles(arena, unknowns);
     nodes->m_over_h = tvi_arena_allocate_doubles(arena, (size_t)system->n);
 }
 
@@ -52,7 +52,7 @@ static void allocate_tail(galerkin_tail *tail, tvi_arena *arena, const tvi_syste
     tail->has_masses = system->has_tail_shares_without_momenta;
     tail->subsystems = system->tail_subsystems;
     tail->scale = scale;
-    tail->per_scale = tvi_arena_allocate_doubles(arena, (size_t)system->n);
+    tail->inverse_scale = tvi_arena_allocate_doubles(arena, (size_t)system->n);
     tail->share = tvi_arena_allocate_doubles(arena, (size_t)system->n);
     tail->ratio = tvi_arena_allocate_doubles(arena, (size_t)system->n);
 }
@@ -89,7 +89,7 @@ static void set_tables(void *work)
     step->c = stepper->coefficients.c;
     step->sum_weights = (galerkin_sum_weights){stepper->coefficients.one_minus_c, stepper->coefficients.last_term};
     step->nodes.nu = stepper->coefficients.nu;
-    step->tail.per_end_weight = 1 / stepper->coefficients.b[0];
+    step->tail.inverse_end_weight = 1 / stepper->coefficients.b[0];
     step->rate_row = stepper->rate_row;
     step->probe = &stepper->probe;
     step->rule = tvi_galerkin_passes_rule(stepper);
@@ -116,7 +116,7 @@ void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h)
                                                                                 : -1;
     }
     for (int i = 0; i < stepper->n; i++) {
-        step->tail.per_scale[i] = 1 / fabs(nodes->scale[i]);
+        step->tail.inverse_scale[i] = 1 / fabs(nodes->scale[i]);
         nodes->m_over_h[i] = system->has_masses ? system->mass[i] / fabs(h) : INFINITY;
         stepper->increment_scale[i] = nodes->scale[i];
         stepper->increment_scale[stepper->n + i] = step->is_separable ? 1 : nodes->scale[stepper->n + i];
@@ -139,7 +139,7 @@ static tvi_status predict_first_step(galerkin_stepper *stepper, const tvi_step_o
                                      tvi_stats *stats)
 {
     galerkin_step *step = &stepper->step;
-    /* As galerkin_make_steps will do for this step: the prediction needs both. */
+    /* The prediction needs the place of the impulses and the drift, which galerkin_make_steps will set again. */
     step->nodes.impulse = galerkin_ring_at(step, (int)stepper->predictor.history->ring_index + 1);
     galerkin_set_drift(step, origin);
     if (elapsed) {

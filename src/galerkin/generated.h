@@ -42,7 +42,7 @@ typedef struct {
     _Alignas(64) float dx_sum[SINGLE_ROWS * SINGLE_LANES(GALERKIN_LANES) + 1];
     _Alignas(64) float dL[SINGLE_ROWS * SINGLE_LANES(GALERKIN_LANES) + 1];
     _Alignas(64) float dL_sum[SINGLE_ROWS * SINGLE_LANES(GALERKIN_LANES) + 1];
-    double size[SINGLE_ROWS + 1], per_size[SINGLE_ROWS + 1];
+    double size[SINGLE_ROWS + 1], inverse_size[SINGLE_ROWS + 1];
 } generated_hamiltonian;
 
 JET_INLINE void generated_set_sizes(galerkin_nodes *nodes)
@@ -108,7 +108,7 @@ JET_INLINE void generated_use_hamiltonian(hamiltonian_pass *pass, generated_hami
     pass->dL = own->dL;
     pass->dL_sum = own->dL_sum;
     pass->size = own->size;
-    pass->per_size = own->per_size;
+    pass->inverse_size = own->inverse_size;
 }
 
 /* Makes steps as galerkin_make_steps does, with a copy of the step whose sizes are constants. */

@@ -51,14 +51,14 @@ typedef struct {
      * steps, with scale = 1 / h, and no drift. Their rows follow those of the unknowns. */
     galerkin_nodes rates;
     int columns, rows;
-    const int *unknown_of_row; /* [rows] the unknown of each row */
-    const int *index_in_block; /* [columns][rows of the group] for each group: where the block has the element */
-    float *nu;                 /* [lanes][single lanes] nu_ij (nodes.h) */
-    float *packed;             /* [columns][rows of the group][single lanes] for each group: the elements */
-    double *size, *per_size;   /* [rows] the size of each unknown in this step, and its reciprocal */
-    float *dx, *dx_sum;        /* [rows][single lanes] d_k, and the sum of all d_k */
-    float *dL, *dL_sum;        /* [rows][single lanes] the changes of the impulses by dx and by dx_sum */
-    double *added_impulse;     /* [unknowns][lanes] dL_sum in the unit of the impulses, for the movement of the pass */
+    const int *unknown_of_row;   /* [rows] the unknown of each row */
+    const int *index_in_block;   /* [columns][rows of the group] for each group: where the block has the element */
+    float *nu;                   /* [lanes][single lanes] nu_ij (nodes.h) */
+    float *packed;               /* [columns][rows of the group][single lanes] for each group: the elements */
+    double *size, *inverse_size; /* [rows] the size of each unknown in this step, and its reciprocal */
+    float *dx, *dx_sum;          /* [rows][single lanes] d_k, and the sum of all d_k */
+    float *dL, *dL_sum;          /* [rows][single lanes] the changes of the impulses by dx and by dx_sum */
+    double *added_impulse; /* [unknowns][lanes] dL_sum in the unit of the impulses, for the movement of the pass */
     /* The movement of the last pass, a sum of squares; INFINITY before the first pass of a step. */
     double last_movement;
 } hamiltonian_pass;
@@ -97,7 +97,7 @@ JET_INLINE void pack_hessian(const galerkin_nodes *nodes, const hamiltonian_pass
                     (nodes->scale[pass->unknown_of_row[column]] * pass->size[column]) * node_load(nodes->hb, v);
                 for (int i = 0; i < group; i++)
                     node_store_single(packed + i * SINGLE_LANES(lanes), v,
-                                      pass->per_size[first + i] * by_column * node_load(block + index[i], v));
+                                      pass->inverse_size[first + i] * by_column * node_load(block + index[i], v));
             }
     }
 }
@@ -165,7 +165,7 @@ JET_INLINE void begin_inner_iterations(const galerkin_nodes *nodes, const hamilt
     const int width = SINGLE_LANES(lanes);
     for (int i = 0; i < pass->columns; i++) {
         const int u = pass->unknown_of_row[i];
-        const double factor = pass->per_size[i] / INNER_UNIT;
+        const double factor = pass->inverse_size[i] / INNER_UNIT;
         for (int v = 0; v < lanes / NODE_VEC; v++) {
             const node_vec L = node_load(nodes->hb, v) * node_load(rates + slot[u] * lanes, v);
             node_store_single(pass->dL + i * width, v, factor * (L - node_load(nodes->impulse + u * lanes, v)));
@@ -243,8 +243,8 @@ static inline bool hamiltonian_make_pass(hamiltonian_pass *pass, const galerkin_
     const double *rates = galerkin_evaluate_gradient_at(field, is_new, nodes->x, nodes->x + numbers / 2);
     if (!rates) return false;
     for (int i = 0; i < (is_first ? pass->rows : 0); i++) {
-        pass->per_size[i] = nodes->per_size[pass->unknown_of_row[i]];
-        pass->size[i] = 1 / pass->per_size[i];
+        pass->inverse_size[i] = nodes->inverse_size[pass->unknown_of_row[i]];
+        pass->size[i] = 1 / pass->inverse_size[i];
     }
     hamiltonian_iterate(nodes, pass, field->block[true], rates, slot, is_new, least);
     pass->last_movement = nodes_move_with_changes(nodes, rates, pass->added_impulse, slot);

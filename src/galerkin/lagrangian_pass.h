@@ -166,7 +166,7 @@ static inline galerkin_nodes lagrangian_half(const galerkin_nodes *all, int firs
     half.impulse += offset;
     half.start += first;
     half.scale += first;
-    half.per_size += first;
+    half.inverse_size += first;
     return half;
 }
 

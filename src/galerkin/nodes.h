@@ -98,10 +98,10 @@ typedef struct {
     double *impulse;           /* the impulses L_j of the last movement, stored in the history */
     double *start;             /* [unknown_count] the unknowns at the start of the step */
     double *scale;             /* [unknown_count] the factor of the impulses' sum in the change of an unknown */
-    double *per_size;          /* [unknown_count] 1 / size of each unknown, by which movements are measured */
+    double *inverse_size;      /* [unknown_count] 1 / size of each unknown, by which movements are measured */
     double *hb;                /* [lane_count] h b_j */
     double *m_over_h;          /* [n] the momentum that moves a coordinate by 1 in the step; INFINITY without masses */
-    const double *nu;          /* [j][i] nu_ij */
+    const double *nu;          /* [j][i] nu_ij, by which an impulse of node j moves node i */
     tvi_subsystems subsystems;
 } galerkin_nodes;
 
@@ -251,10 +251,10 @@ JET_INLINE double node_size_of(const galerkin_nodes *nodes, int u)
 /* Returns what is added to the sizes of unknowns of which this is the largest one. */
 JET_INLINE double node_least_size(double largest) { return largest > 0 ? GALERKIN_MIN_SHARE * largest + DBL_MIN : 1; }
 
-/* Sets per_size for the unknowns of one subsystem. To the size of each unknown it adds a small part of the largest size
- * in its subsystem (GALERKIN_MIN_SHARE). If masses are known, the size of a momentum is at least m_over_h times the
- * part that is added to its coordinate. There are no branches, because the processor could not predict which number is
- * larger. */
+/* Sets inverse_size for the unknowns of one subsystem. To the size of each unknown it adds a small part of the largest
+ * size in its subsystem (GALERKIN_MIN_SHARE). If masses are known, the size of a momentum is at least m_over_h times
+ * the part that is added to its coordinate. There are no branches, because the processor could not predict which number
+ * is larger. */
 JET_INLINE void set_sizes_of_subsystem(const galerkin_nodes *nodes, int first, int end)
 {
     const int n = nodes->n;
@@ -263,20 +263,20 @@ JET_INLINE void set_sizes_of_subsystem(const galerkin_nodes *nodes, int first, i
     for (int k = first; k < end; k++) {
         const int i = tvi_subsystems_component_at(&nodes->subsystems, k);
         const double size = node_size_of(nodes, i);
-        nodes->per_size[i] = size;
+        nodes->inverse_size[i] = size;
         largest_q = tvi_larger(size, largest_q);
         if (!has_momenta) continue;
         const double of_p = node_size_of(nodes, n + i);
-        nodes->per_size[n + i] = of_p;
+        nodes->inverse_size[n + i] = of_p;
         largest_p = tvi_larger(of_p, largest_p);
     }
     const double least_q = node_least_size(largest_q), least_p = node_least_size(largest_p);
     for (int k = first; k < end; k++) {
         const int i = tvi_subsystems_component_at(&nodes->subsystems, k);
-        nodes->per_size[i] = 1 / (nodes->per_size[i] + least_q);
+        nodes->inverse_size[i] = 1 / (nodes->inverse_size[i] + least_q);
         if (!has_momenta) continue;
         const double own = nodes->m_over_h[i] * least_q, least = least_p > own ? own : least_p;
-        nodes->per_size[n + i] = 1 / (nodes->per_size[n + i] + least);
+        nodes->inverse_size[n + i] = 1 / (nodes->inverse_size[n + i] + least);
     }
 }
 
@@ -327,7 +327,7 @@ JET_INLINE void set_changed_impulse_rows(const galerkin_nodes *nodes, const doub
 }
 
 /* Moves the unknowns by the impulses: x = drift + y with y = drift_low + scale sum_j nu_ij L_j. If `moved`
- * [unknowns][lanes] is not NULL, it gets y. Returns the movement: the sum of the squares of (change of x) per_size,
+ * [unknowns][lanes] is not NULL, it gets y. Returns the movement: the sum of the squares of (change of x) inverse_size,
  * which is a NaN if any change is a NaN. */
 JET_INLINE double move_unknowns(const galerkin_nodes *of, double *moved, const int lanes)
 {
@@ -346,7 +346,7 @@ JET_INLINE double move_unknowns(const galerkin_nodes *of, double *moved, const i
             for (int v = first; v < first + block; v++) {
                 const node_vec y = join_partial_sums(sum[v - first]) * nodes->scale[u] + node_load(low, v),
                                next = node_load(drift, v) + y;
-                const node_vec change = (next - node_load(x, v)) * nodes->per_size[u];
+                const node_vec change = (next - node_load(x, v)) * nodes->inverse_size[u];
                 squares[v] += change * change;
                 node_store(x, v, next);
                 if (moved) node_store(moved + u * lanes, v, y);

@@ -108,7 +108,7 @@ static double squared_distance(const galerkin_nodes *nodes, const double *x)
     double sum = 0;
     for (int u = 0; u < nodes->unknown_count; u++)
         for (int k = u * nodes->lane_count; k < (u + 1) * nodes->lane_count; k++) {
-            const double part = (nodes->x[k] - x[k]) * nodes->per_size[u];
+            const double part = (nodes->x[k] - x[k]) * nodes->inverse_size[u];
             sum += part * part;
         }
     return sum;

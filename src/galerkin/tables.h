@@ -28,7 +28,7 @@ void tvi_galerkin_integrate(const galerkin_polynomials *polynomials, double s, d
 typedef struct {
     int node_count, lane_count;
     double *b, *c; /* [lanes] weights and nodes of the quadrature on [0, 1] */
-    double *nu;    /* [j][i] a_ij / b_j, or sum_k a_ik a_kj / b_j for a separable system */
+    double *nu;    /* [j][i] the matrix nu_ij: a_ij / b_j, or sum_k a_ik a_kj / b_j for a separable system */
     /* [lanes] The weights of impulses in sums at the end of a step: 1 - c_j, and that of the last term of the rate's
      * Legendre series. */
     double *one_minus_c, *last_term;

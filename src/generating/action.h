@@ -26,7 +26,7 @@ typedef struct tvi_action {
     bool is_truncated;       /* the positions at the nodes omit the highest order */
     bool has_by_v, has_by_p; /* by_v and by_p can differ from 0 */
     int q_degree, p_degree;  /* the degrees to which position and momentum are summed */
-    int nodes;               /* the number of nodes, with those that pad a half */
+    int nodes;               /* the number of nodes, with those that fill a mirrored half to whole vectors */
     int order_count;         /* the number of orders of the curve, highest_order + 1 */
     /* The number of nodes in a mirrored half, padded to whole vectors, or 0 if the nodes do not mirror each other or if
      * the seeds need second derivatives. The nodes of the first half are first, and their mirror images follow. A node

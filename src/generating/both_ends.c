@@ -22,10 +22,10 @@
 /* One of the two curves. */
 typedef struct {
     tvi_curve curve;
-    tvi_action action;              /* its node tables; the start curve's action evaluates the nodes of both */
-    double sign;                    /* 1 for a, -1 for b: in a - b, and the scaled time of the other end */
-    double *blend;                  /* [points] the weight w or 1 - w of this curve at each node */
-    double *P;                      /* [degree][n] the coefficients of the momentum */
+    tvi_action action; /* tables of the nodes for this curve; that of a evaluates the nodes, for both curves */
+    double sign;       /* 1 for a, -1 for b: in a - b, and the scaled time of the other end */
+    double *blend;     /* [points] the weight w or 1 - w of this curve at each node */
+    double *P;         /* [degree][n] the coefficients of the momentum */
     tvi_curve_sum q_rise, u_here;   /* q at the other end less q at this end, and u at this end, U_0 */
     tvi_curve_sum dense_q, dense_u; /* the increments from this end to one point of dense output */
     double *seed_Q;                 /* [degree + 1][n] the derivatives of the action by Q_k */

@@ -7,8 +7,8 @@
  *
  * Here [s^k] x is the coefficient of s^k in the series of x, and V_k that of the velocity. The field is evaluated as a
  * power series along the curve, one order after the other. Coefficients are divided by k, and not multiplied by tau /
- * k, which would have the same roundoff in every step, so that the energy would drift (docs/method.md section 6). For
- * this reason tau^2 / m is computed as kappa tau. */
+ * k, which would have the same roundoff in every step, so that the energy would drift (docs/method.md section 6). With
+ * kappa = tau / m, which scales momenta, tau^2 / m is kappa tau. */
 #include "generating/curve.h"
 #include "algebra/tail.h"
 
@@ -139,8 +139,8 @@ static tvi_status expand_lagrangian(tvi_curve *curve)
 
 /* ---- Separable systems and Hamiltonians -------------------------------------------------------------------------- */
 
-/* Both store whole vectors, since the next orders load whole vectors: a load that covers several short stores has to
- * wait for the cache. */
+/* SET_SEPARABLE and SET_HAMILTONIAN store whole vectors, since the next orders load whole vectors: a load that covers
+ * several short stores has to wait for the cache. */
 #define SET_SEPARABLE(V, S) JET_AT(V, q, 0) = JET_OF(V, kappa, 0) * JET_GATHER(V, field, output + here) * tau / divisor;
 #define SET_HAMILTONIAN(V, S)                                                                                          \
     {                                                                                                                  \

@@ -121,7 +121,7 @@ static tvi_status factor_A(const tvi_corrected_curve *c)
     return tvi_factor_compute(&m->A);
 }
 
-static tvi_status solve(tvi_corrected_curve *c, const double z[], const double scale[], tvi_stats *stats)
+static tvi_status solve_end_equations(tvi_corrected_curve *c, const double z[], const double scale[], tvi_stats *stats)
 {
     const tvi_end_equations *equations = &c->definition->equations;
     const size_t n = (size_t)c->curve.n, solved = equations->has_last_columns ? n : 0, other = n - solved;
@@ -147,4 +147,4 @@ static tvi_status solve(tvi_corrected_curve *c, const double z[], const double s
     return TVI_OK;
 }
 
-const tvi_end_solver tvi_solver_by_matrices = {allocate, begin, solve, compute_J, NULL};
+const tvi_end_solver tvi_solver_by_matrices = {allocate, begin, solve_end_equations, compute_J, NULL};

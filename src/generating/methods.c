@@ -1,11 +1,12 @@
 /* methods.c - defines the descriptors of the methods that expand Taylor curves, for the list of methods
  * (method/list.h): a row for each generating function and each place where its curve is expanded (docs/method.md
  * section 4).
- *
  * The letters: (q-, p-) and (q+, p+) are the ends of the curve, functions of the state z at its centre, and u = kappa
- * p; G- and G+ are the Jacobians of q- and q+ by z, M their mean, and R = G+ - G-. Subscripts are derivatives by a half
- * of z. D_z is the gradient of the discrete action in defect form (action.h), with the halves D_q and D_v, or D_w of
- * the half of z that is free. The corrections d0, d1, d, l, a and b of the ends are small. */
+ * p, where the factor kappa gives momenta the unit of coordinates; G- and G+ are the Jacobians of q- and q+ by z, M
+ * their mean, and R = G+ - G-. Subscripts are derivatives by the first half of z, the coordinates, or by the second.
+ * D_z is the gradient of the discrete action in defect form (action.h), with the halves D_q and D_v, or D_w for the
+ * half of z that the kept end leaves free. What is added to an end is small: d0 to p-, d1 to p+ (type I), d to the
+ * momentum and l to the coordinate (types II and III), a and b in the equations of Poincare. */
 #include "method/list.h"
 
 /* The columns of a method: the title, the names with on-curve and with truncated nodes, the forms of systems, and the
@@ -29,7 +30,7 @@ const tvi_descriptor tvi_type1_start = {
     .curve = {{0, 1, 1}, TVI_ACTION_LAGRANGE, false, {TVI_Q_STEP, TVI_NO_SUM, true}, {0, 0, {-1, 1}, {1, 0}}, false},
 };
 
-/* The matrix is I + O(h):  M^T (d1 - d0) + R^T (d1 + d0)/2 = D_z. */
+/* The matrix of these equations for d1 - d0 and (d1 + d0)/2 is I + O(h):  M^T (d1 - d0) + R^T (d1 + d0)/2 = D_z. */
 const tvi_descriptor tvi_type1_midpoint = {
     .method = TVI_TYPE1,
     .expansion = TVI_AT_MIDPOINT,

@@ -150,8 +150,8 @@ static newton_progress begin_passes(const tvi_newton *newton)
     return record;
 }
 
-/* Updates the growth for a correction of this size. A greater growth that one correction suggests is accepted only if
- * the next correction contracts again, because roundoff does not contract. */
+/* Updates the growth of the contraction ratio, after a correction of this size. A greater growth that one correction
+ * suggests is accepted only if the next correction contracts again, because roundoff does not contract. */
 static void update_growth(newton_progress *record, const tvi_stopping_rule *rule, double size)
 {
     const tvi_convergence_test *test = &record->unknowns;

@@ -116,7 +116,7 @@ static double relative_curve_time_error(const tvi_event_finder *finder)
 }
 
 /* Sets finder->line_origin to the state that the last partial step has computed, which lies at theta. */
-static void set_line_origin(tvi_event_finder *finder, double theta)
+static void set_chord_origin(tvi_event_finder *finder, double theta)
 {
     tvi_partial_step_copy_state(finder->search->partial_step, finder->line_origin);
     finder->line_origin_theta = theta;
@@ -211,7 +211,7 @@ static tvi_status set_event_state_by_partial_step(tvi_event_finder *finder, tvi_
 {
     const tvi_status status =
         tvi_partial_step_compute_state(finder->search->partial_step, theta * finder->search->integrator->h);
-    set_line_origin(finder, theta);
+    set_chord_origin(finder, theta);
     if (status == TVI_OK) set_event_state_on_line(finder, root, 0, state);
     return status;
 }
@@ -224,7 +224,7 @@ static tvi_status begin_line_at_theta(tvi_event_finder *finder, double theta)
     const tvi_status status =
         tvi_partial_step_compute_state(finder->search->partial_step, theta * finder->search->integrator->h);
     if (status != TVI_OK) return status;
-    set_line_origin(finder, theta);
+    set_chord_origin(finder, theta);
     const double apart = fmax(fmax(relative_curve_error(finder, 0, n), relative_curve_error(finder, n, n)),
                               relative_curve_time_error(finder));
     finder->accurate_distance =
@@ -314,7 +314,7 @@ static tvi_status find_event_on_rate_line(tvi_event_finder *finder, tvi_event_ro
     const double h = finder->search->integrator->h;
     tvi_status status = tvi_partial_step_compute_state(finder->search->partial_step, root->theta_guess * h);
     if (status != TVI_OK) return status;
-    set_line_origin(finder, root->theta_guess);
+    set_chord_origin(finder, root->theta_guess);
     status = set_line_direction_to_rates(finder, finder->line_origin);
     if (status == TVI_OK)
         status = tvi_search_evaluate_event(finder->search, root->event_index, finder->line_origin, &g);

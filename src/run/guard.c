@@ -81,8 +81,8 @@ static const int FAR_Q_EXPONENTS[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 60,
  * increment in the direction of its force. */
 typedef enum { FORWARD, BACK, DOWNHILL, LINE_COUNT } search_line;
 
-/* Returns one component of the line's direction, for the step's increments dq and dp of this component.
- * time_direction has the sign of the step. */
+/* Returns one component of the direction of a straight line through the start of the step, for the step's increments dq
+ * and dp of this component. time_direction has the sign of the step. */
 static double search_line_direction_component(search_line line, double dq, double dp, double time_direction)
 {
     return line == FORWARD ? dq : line == BACK ? -dq : copysign(dq, dp * time_direction);

@@ -22,11 +22,12 @@
 #define SCOUT_FAILED_FACTOR 0.6 /* found: make suggest */
 /* The scout's next step is at most this many times the last one. */
 #define SCOUT_MAX_GROWTH 1.6 /* found: make suggest */
-/* The estimated resolving step size is at least this part of the last step. */
+/* The step size that is estimated to resolve the motion is at least this part of the last step. */
 #define SCOUT_MIN_RESOLVING_FACTOR 0.4 /* found: make suggest */
 /* The estimated resolving step size is at most this many times the last. */
 #define SCOUT_MAX_RESOLVING_FACTOR 8.0 /* found: make suggest */
-/* A harder position has a resolving step below this part of the least. */
+/* A position counts as harder than all before if the step size that resolves the motion there is below this part of the
+ * least one so far. */
 #define SCOUT_HARDER_FACTOR 0.9 /* found: make suggest */
 /* The scout's first step may change the energy by this part. */
 #define SCOUT_MAX_ENERGY_CHANGE 0.1 /* found: make suggest */

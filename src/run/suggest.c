@@ -276,7 +276,7 @@ static double prepare_trials(suggestion_search *search)
 /* Estimates the error that the roundoff of the time causes, in a system whose equations depend on the time. Each step
  * rounds the time anew, and the effects add up at random. If these effects may be large, one step at a shifted time
  * measures them. */
-static tvi_status measure_time_roundoff(suggestion_search *search)
+static tvi_status measure_error_by_time_roundoff(suggestion_search *search)
 {
     tvi_trials *trials = &search->trials;
     const tvi_orbit_scout *s = &trials->scout;
@@ -334,7 +334,7 @@ static tvi_status search_step_size(suggestion_search *search, tvi_step_suggestio
         tvi_scout_explore_orbit(&trials->scout, &trials->step_doubling.full_step_orbit, trials->duration);
     if (status != TVI_OK) return status;
     double h = prepare_trials(search);
-    status = measure_time_roundoff(search);
+    status = measure_error_by_time_roundoff(search);
     if (status != TVI_OK) return status;
     suggestion->explored_fraction = trials->scout.is_degree_too_low_for_tail ? 0 : trials->scout.explored_fraction;
     do trial = tvi_make_step_size_trial(trials, h);

@@ -255,8 +255,8 @@ static tvi_status project_column_to_fixed_time(const tvi_integrator *it, const d
     return status;
 }
 
-/* Copies a column of the user's matrix D to the tangent's memory. The component of a rescaled system that belongs to e
- * is set to 0. */
+/* Copies a column of the user's matrix D to the tangent's memory. The component of e, the constant -H of a rescaled
+ * system's K = g (H + e), is set to 0. */
 static void load_column_from_user(const tvi_integrator *it, const double D[], size_t row_stride)
 {
     const tvi_tangent *tangent = it->tangent;

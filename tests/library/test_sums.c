@@ -187,7 +187,7 @@ static sample errors_of(const galerkin_coefficients *a, const galerkin_loops *wi
                                   .hb = w.weight,
                                   .impulse = w.impulse,
                                   .scale = w.scale,
-                                  .per_size = w.inverse_size,
+                                  .inverse_size = w.inverse_size,
                                   .nu = a->nu};
     uint64_t bits = 1;
     sample errors = {0};

@@ -359,8 +359,8 @@ START_TEST(component_that_does_little_has_a_part_of_its_tail)
     const int n = 2 + _i / 2;
     const bool is_alone = _i % 2 == 1;
     int member[] = {1, 0, 2, 3, 4}, end[] = {1, n};
-    double scale[8], per_scale[8], zero[8] = {0}, p[8], last[8], share[8], ratio[8], tail;
-    for (int i = 0; i < n; i++) scale[i] = per_scale[i] = p[i] = 1, last[i] = 1e-4;
+    double scale[8], inverse_scale[8], zero[8] = {0}, p[8], last[8], share[8], ratio[8], tail;
+    for (int i = 0; i < n; i++) scale[i] = inverse_scale[i] = p[i] = 1, last[i] = 1e-4;
     p[1] = 1e-3, last[1] = 5e-4;
     const galerkin_tail of = {.n = n,
                               .is_separable = true,
@@ -368,7 +368,7 @@ START_TEST(component_that_does_little_has_a_part_of_its_tail)
                               .subsystems = {1 + is_alone, member, end + !is_alone},
                               .sums = {.last_term = last, .ends = zero},
                               .scale = scale,
-                              .per_scale = per_scale,
+                              .inverse_scale = inverse_scale,
                               .q = zero,
                               .p = p,
                               .dp = zero,
