@@ -12,8 +12,9 @@ longrun: need-bench
 	$(if $(SCENE),,gnuplot -c bench/longrun/longrun.gp $(LONGRUN) bench/experiments &&) exit $$status
 .PHONY: longrun
 
-# a library with the rule of sooner.h in the place of its own
+# a library whose Galerkin steps have the rule of sooner.h in the place of their own
 $(LONGRUN)/sooner/libtvi.a: bench/longrun/sooner.h $(BUILD)/libtvi.a
-	@$(MAKE) --no-print-directory BUILD=$(LONGRUN)/sooner CFLAGS='$(CFLAGS) -Ibench/longrun -include sooner.h' $@
+	@$(MAKE) --no-print-directory BUILD=$(LONGRUN)/sooner SOONER=1 $@
+$(if $(SOONER),$(eval $(BUILD)/src/galerkin/%.o: BASE += -Ibench/longrun -include sooner.h))
 $(LONGRUN)/longrun: $(LONGRUN_OBJECTS) $(SWEEP_OBJECTS) $(LONGRUN)/sooner/libtvi.a
 	$(call SAY,LD $@)$(CC) $(CFLAGS) -pthread -o $@ $^ $(BASELINE_LIBS) $(LIBS)

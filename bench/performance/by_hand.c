@@ -2,7 +2,7 @@
 #include "by_hand.h"
 
 #ifndef JET_ISA
-#define JET_ISA base
+#define JET_ISA jet_isa_base
 #endif
 #define JOIN_(a, b) a##_##b
 #define JOIN(a, b)  JOIN_(a, b)

@@ -11,9 +11,9 @@ typedef struct {
     void (*solar)(int N, double tau, const power_weights *weights, solar_series *c);
 } by_hand;
 
-extern const by_hand by_hand_base;
+extern const by_hand by_hand_jet_isa_base;
 #ifdef JET_ISA_X86
-extern const by_hand by_hand_avx2, by_hand_avx512;
+extern const by_hand by_hand_jet_isa_avx2, by_hand_jet_isa_avx512;
 #endif
 
 #endif

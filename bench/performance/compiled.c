@@ -229,9 +229,11 @@ static const by_hand *widest_by_hand(void)
 {
 #ifdef JET_ISA_X86
     const char *name = isa_name(ISA_WIDEST);
-    return strcmp(name, "avx512") == 0 ? &by_hand_avx512 : strcmp(name, "avx2") == 0 ? &by_hand_avx2 : &by_hand_base;
+    return strcmp(name, "avx512") == 0 ? &by_hand_jet_isa_avx512
+           : strcmp(name, "avx2") == 0 ? &by_hand_jet_isa_avx2
+                                       : &by_hand_jet_isa_base;
 #else
-    return &by_hand_base;
+    return &by_hand_jet_isa_base;
 #endif
 }
 
