@@ -91,7 +91,8 @@ NODE_LOOP void nodes_sum_impulses(const galerkin_nodes *nodes, const galerkin_su
     BY_LANES(nodes->lane_count, sum_rows(nodes, weights, sums, lanes));
 }
 
-/* The increments of a separable system, dq = (move + move_low) + scale twice and dp = once, in two parts. */
+/* The increments of a separable system, from the drift of the positions and the sums `once` and `twice` of the
+ * impulses: dq = (move + move_low) + scale twice and dp = once, in two parts. */
 NODE_LOOP void nodes_set_drifting_increments(const galerkin_nodes *nodes, const galerkin_sums *sums, const double *move,
                                              const double *move_low, const tvi_increments *to)
 {
@@ -105,7 +106,8 @@ NODE_LOOP void nodes_set_drifting_increments(const galerkin_nodes *nodes, const 
     }
 }
 
-/* The increments of equations of first order, (dq, dp) = scale once. */
+/* The increments of equations of first order: (dq, dp) is scale, which is 1 for q and for p 1 or -1, times the sum
+ * `once` of the impulses. */
 NODE_LOOP void nodes_set_increments(const galerkin_nodes *nodes, const galerkin_sums *sums, const tvi_increments *to)
 {
     const int n = nodes->n;

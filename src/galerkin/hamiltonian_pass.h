@@ -83,7 +83,8 @@ JET_INLINE node_vec node_load_single(const float *row, int v)
 /* ---- The changes of the impulses --------------------------------------------------------------------------------- */
 
 /* Copies the second derivatives into `packed`, relative to the sizes of the unknowns, group by group. Element (row,
- * column) is the change of the row's impulse by a change of the column's unknown. The scale is 1 or -1 here. */
+ * column) is the change of the row's impulse by a change of the column's unknown. nodes.scale, 1 for coordinates and -1
+ * for momenta, is the sign of the rate in J K''. */
 JET_INLINE void pack_hessian(const galerkin_nodes *nodes, const hamiltonian_pass *pass, const double *block,
                              const int lanes)
 {
