@@ -193,7 +193,7 @@ SLEEF_FILE = $(notdir $(shell readlink $$($(CC) -print-file-name=libsleef.so)))
 $(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_SLEEF='$(if $(HAS_SLEEF),"-DJET_SLEEF"$(comma) "$(or $(SLEEF_FILE:%=-l:%),-lsleef)"$(comma))'
 $(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_FLAGS='$(call quoted,-ffp-contract=off) $(foreach isa,$(ISAS),$(call quoted,$(FLAGS_$(isa))))'
 
-$(addprefix $(BUILD)/,ad/isa.o $(addprefix src/,compiled/load.o method/method.o generating/action.o)): \
+$(addprefix $(BUILD)/,ad/isa.o $(addprefix src/,compiled/load.o generating/methods.o generating/action.o)): \
     BASE += $(if $(ISAS),-DJET_ISA_X86)
 
 define isa_objects
@@ -203,14 +203,19 @@ $(BUILD)/%.$(1).o: %.c
 endef
 $(foreach isa,$(ISAS),$(eval $(call isa_objects,$(isa))))
 OBJCOPY ?= objcopy
-# gives the names that an object defines the suffix of a set: $(call add_set_to_names,object,set,result)
-add_set_to_names = nm --defined-only -g $(1) | awk '{ print $$3, $$3 "_$(2)" }' >$(1).names && $(OBJCOPY) --redefine-syms=$(1).names $(1) $(3)
-# all sources of one set as one object
+# NAME.avx2.o is the object as it is compiled; in NAME_avx2.o the names that it defines have the suffix of the set
+define named_object
+.PRECIOUS: $(BUILD)/%.$(1).o
+$(BUILD)/%_$(1).o: $(BUILD)/%.$(1).o
+	$$(call SAY,OBJCOPY $$@)nm --defined-only -g $$< | awk '{ print $$$$3, $$$$3 "_$(1)" }' >$$@.names && $(OBJCOPY) --redefine-syms=$$@.names $$< $$@
+endef
+$(foreach isa,$(ISAS),$(eval $(call named_object,$(isa))))
+# all sources of a set as one object
 define set_object
 SET_PIECES += $(3:%.c=$(BUILD)/%.$(2).o)
 SETS       += $(BUILD)/$(1)_$(2).o
-$(BUILD)/$(1)_$(2).o: $(3:%.c=$(BUILD)/%.$(2).o)
-	$$(call SAY,LD $$@)$(LD) -r -o $$@.joined $$(filter %.o,$$^) && $$(call add_set_to_names,$$@.joined,$(2),$$@)
+$(BUILD)/$(1).$(2).o: $(3:%.c=$(BUILD)/%.$(2).o)
+	$$(call SAY,LD $$@)$(LD) -r -o $$@ $$(filter %.o,$$^)
 endef
 $(foreach isa,$(ISAS),$(eval $(call set_object,ad/sweeps,$(isa),$(ISA_SOURCES)))$(eval $(call set_object,src/steppers,$(isa),$(SET_SOURCES))))
 

@@ -1,12 +1,9 @@
 /* compiler.h - Defines everything that the library asks of the compilers, gcc and clang: attributes, pragmas and
- * built-in functions, each with its reason. Exceptions are the pragmas of OpenMP, the queries of the processor in
- * isa.c, the exported functions of src/system/bodies.c, and the atomic counter in src/compiled/attach.c. The macros
- * change at most the last bits of results, where a sum is computed as a vector. Generated code begins with this text.
- */
+ * built-in functions, each with its reason. Exceptions are the queries of the processor in isa.c, the exported
+ * functions of src/system/bodies.c, and the atomic counter in src/compiled/attach.c. The macros change at most the last
+ * bits of results, where a sum is computed as a vector. Generated code begins with this text. */
 #ifndef TVI_AD_COMPILER_H
 #define TVI_AD_COMPILER_H
-
-#include <float.h>
 
 /* Switches off warnings that generated code would give. Generated code contains the text of all rules and calls only
  * some of them, and its constant structures leave out braces and initialisers. */

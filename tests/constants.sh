@@ -5,7 +5,7 @@ set -eu
 awk '
     !/\/\* found: / { next }
     !/^#define [A-Z0-9_]+ +.* +\/\* found: make [a-z].* \*\/$/ {
-        print FILENAME ":" FNR ": a mark without a constant, or not of the form /* found: make X */"
+        print FILENAME ":" FNR ": a mark without a constant, or not of the form /* found: make X */" > "/dev/stderr"
         failed = 1
         next
     }

@@ -71,9 +71,6 @@ $(BUILD)/check/$(1) $(BUILD)/check/$(1)-generated: $(call objects_of,$(wildcard 
 endef
 $(foreach folder,$(FOLDERS),$(eval $(call program,$(folder))))
 # the loops of every instruction set (tests/library/loops.h)
-$(ISAS:%=$(BUILD)/tests/library/loops_%.o): $(BUILD)/tests/library/loops_%.o: tests/library/loops.c
-	@mkdir -p $(@D)
-	$(call SAY,CC $< ($*))$(CC) $(TEST_FLAGS) $(BASE) $(FLAGS_$*) -c -o $@.base $< && $(call add_set_to_names,$@.base,$*,$@)
 $(BUILD)/check/library: $(ISAS:%=$(BUILD)/tests/library/loops_%.o)
 $(BUILD)/check/library: WRAP = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
 # their integrators run generated code: tests/problems/generated.c
@@ -372,6 +369,7 @@ abi: $(BUILD)/libtvi.so
 check-names: ; $(REPORT) "names: all that can be linked begin with tvi_ or jet_; none has more than 32 characters" $(DO)
 do-names: $(BUILD)/libtvi.a
 	tests/long_names.sh
+	tests/constants.sh >/dev/null
 	nm -A -g --defined-only $< | awk '{ names++ } $$NF !~ /^(tvi|jet)_|^DW\.ref\./ { print; failed = 1 } END { exit failed || !names }'
 
 # the constants that were found by trials, with the commands that show what they do, and their number

@@ -15,6 +15,8 @@ longrun: need-bench
 # a library whose Galerkin steps have the rule of sooner.h in the place of their own
 $(LONGRUN)/sooner/libtvi.a: bench/longrun/sooner.h $(BUILD)/libtvi.a
 	@$(MAKE) --no-print-directory BUILD=$(LONGRUN)/sooner SOONER=1 $@
-$(if $(SOONER),$(eval $(BUILD)/src/galerkin/%.o: BASE += -Ibench/longrun -include sooner.h))
+ifdef SOONER
+$(BUILD)/src/galerkin/%.o: BASE += -Ibench/longrun -include sooner.h
+endif
 $(LONGRUN)/longrun: $(LONGRUN_OBJECTS) $(SWEEP_OBJECTS) $(LONGRUN)/sooner/libtvi.a
 	$(call SAY,LD $@)$(CC) $(CFLAGS) -pthread -o $@ $^ $(BASELINE_LIBS) $(LIBS)

@@ -1,12 +1,6 @@
 /* by_hand.c - Computes the series by hand, compiled once for each instruction set (by_hand.h). */
 #include "by_hand.h"
 
-#ifndef JET_ISA
-#define JET_ISA jet_isa_base
-#endif
-#define JOIN_(a, b) a##_##b
-#define JOIN(a, b)  JOIN_(a, b)
-
 static void kepler(int N, double tau, const power_weights *weights, kepler_series *c)
 {
     for (int k = 0; k + 2 <= N; k++) {
@@ -27,5 +21,4 @@ static void solar(int N, double tau, const power_weights *weights, solar_series 
     }
 }
 
-extern const by_hand JOIN(by_hand, JET_ISA);
-const by_hand JOIN(by_hand, JET_ISA) = {kepler, solar};
+const by_hand series_by_hand = {kepler, solar};

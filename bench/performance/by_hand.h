@@ -11,9 +11,10 @@ typedef struct {
     void (*solar)(int N, double tau, const power_weights *weights, solar_series *c);
 } by_hand;
 
-extern const by_hand by_hand_jet_isa_base;
+/* The build gives those of an instruction set its suffix. */
+extern const by_hand series_by_hand;
 #ifdef JET_ISA_X86
-extern const by_hand by_hand_jet_isa_avx2, by_hand_jet_isa_avx512;
+extern const by_hand series_by_hand_avx2, series_by_hand_avx512;
 #endif
 
 #endif

@@ -229,11 +229,11 @@ static const by_hand *widest_by_hand(void)
 {
 #ifdef JET_ISA_X86
     const char *name = isa_name(ISA_WIDEST);
-    return strcmp(name, "avx512") == 0 ? &by_hand_jet_isa_avx512
-           : strcmp(name, "avx2") == 0 ? &by_hand_jet_isa_avx2
-                                       : &by_hand_jet_isa_base;
+    return strcmp(name, "avx512") == 0 ? &series_by_hand_avx512
+           : strcmp(name, "avx2") == 0 ? &series_by_hand_avx2
+                                       : &series_by_hand;
 #else
-    return &by_hand_jet_isa_base;
+    return &series_by_hand;
 #endif
 }
 

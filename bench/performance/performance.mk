@@ -26,7 +26,7 @@ devices: need-bench
 .PHONY: devices
 
 # the recurrences by hand, compiled as the library is
-BY_HAND = $(PERFORMANCE_DIR)/by_hand.o $(ISAS:%=$(PERFORMANCE_DIR)/by_hand.%.o)
+BY_HAND = $(PERFORMANCE_DIR)/by_hand.o $(ISAS:%=$(PERFORMANCE_DIR)/by_hand_%.o)
 $(BY_HAND): BASE += -Ibench -Ibench/scenes -Ibench/baselines
 $(PERFORMANCE_DIR)/by_hand.o: TOOL = $(BASE)
 $(PERFORMANCE_DIR)/%.o: TOOL += -Ibench/baselines $(if $(ISAS),-DJET_ISA_X86)

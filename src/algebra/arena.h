@@ -118,6 +118,12 @@ static inline double *tvi_arena_allocate_doubles(tvi_arena *arena, size_t count)
     return tvi_arena_allocate(arena, count * sizeof(double));
 }
 
+/* Allocates `count` doubles for each pointer of the list, which NULL ends. */
+static inline void tvi_arena_allocate_each(tvi_arena *arena, size_t count, double **const pointers[])
+{
+    for (; *pointers; pointers++) **pointers = tvi_arena_allocate_doubles(arena, count);
+}
+
 /* Copies a whole history, or clears it if from_or_null is NULL. It does not use memcpy if there are gaps, since the
  * address sanitizer would report that memcpy accesses them. */
 ARENA_NO_SANITIZER static inline void tvi_arena_copy_history(char *to, const char *from_or_null, size_t bytes)

@@ -13,9 +13,9 @@
 #include <stdbool.h>
 
 /* [1] A component with less than this part of the largest share in its subsystem counts in proportion to its share
- * (algebra/tail.h). Its motion is then less than a hundredth of the largest one, as a share is a product of two sizes.
- * An example is the end of a chain that a wave has not reached: its first motion has the highest power of t, however
- * small h is. */
+ * (tvi_component_tail). Its motion is then less than a hundredth of the largest one, as a share is a product of two
+ * sizes. An example is the end of a chain that a wave has not reached: its first motion has the highest power of t,
+ * however small h is. */
 #define TAIL_MIN_SHARE 1e-4 /* found: make tails */
 /* [1] The roundoff of a force, relative to the positions. */
 #define TAIL_ROUNDOFF (32 * DBL_EPSILON) /* found: make tails */

@@ -23,21 +23,20 @@ typedef struct {
 /* A vector of unknowns at one node. */
 #ifdef __AVX__
 typedef jet_v4 unknown_vec;
-typedef jet_mask_of_jet_v4 unknown_mask;
+typedef jet_mask_of_jet_v4 jet_mask_of_unknown_vec;
 JET_INLINE unknown_vec unknowns_at_node(const double *const row[], int j)
 {
     return (unknown_vec){row[0][j], row[1][j], row[2][j], row[3][j]};
 }
 #else
 typedef jet_v2 unknown_vec;
-typedef jet_mask_of_jet_v2 unknown_mask;
+typedef jet_mask_of_jet_v2 jet_mask_of_unknown_vec;
 JET_INLINE unknown_vec unknowns_at_node(const double *const row[], int j)
 {
     return (unknown_vec){row[0][j], row[1][j]};
 }
 #endif
 enum { UNKNOWN_VEC = sizeof(unknown_vec) / sizeof(double) };
-JET_INLINE unknown_vec unknown_abs(unknown_vec x) { return (unknown_vec)((unknown_mask)x & LLONG_MAX); }
 
 /* The sums over nodes are compensated: the rounding errors of the additions are summed separately, and the low-order
  * part of the result is the rounding error of adding the two sums. Odd and even nodes have separate partial sums, which
@@ -79,9 +78,9 @@ JET_INLINE void sum_rows(const galerkin_nodes *nodes, const galerkin_sum_weights
         }
         store_compensated(&once, sums->once + u, sums->once_low + u);
         store_compensated(&twice, sums->twice + u, sums->twice_low + u);
-        *(unknown_vec *)(sums->last_term + u) = unknown_abs(last);
-        *(unknown_vec *)(sums->ends + u) =
-            unknown_abs(unknowns_at_node(row, 0)) + unknown_abs(unknowns_at_node(row, NODE_COUNT_OF(nodes) - 1));
+        *(unknown_vec *)(sums->last_term + u) = JET_ABS(unknown_vec, last);
+        *(unknown_vec *)(sums->ends + u) = JET_ABS(unknown_vec, unknowns_at_node(row, 0)) +
+                                           JET_ABS(unknown_vec, unknowns_at_node(row, NODE_COUNT_OF(nodes) - 1));
     }
 }
 

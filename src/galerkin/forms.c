@@ -32,8 +32,9 @@ static lagrangian_pass *allocate_lagrangian(galerkin_stepper *stepper, tvi_arena
     lagrangian_pass pass = {.L_vv.n = n};
     stepper->probe.row_count = 3 * n;
     stepper->step.nodes.x = tvi_arena_allocate_doubles(arena, 5 * half);
-    double **const rows[] = {&pass.q_moved, &pass.start_minus_q[0], &pass.start_minus_q[1], &pass.L_vv.column};
-    for (size_t i = 0; i < 4; i++) *rows[i] = tvi_arena_allocate_doubles(arena, half);
+    tvi_arena_allocate_each(
+        arena, half,
+        (double **[]){&pass.q_moved, &pass.start_minus_q[0], &pass.start_minus_q[1], &pass.L_vv.column, NULL});
     pass.gradient = tvi_arena_allocate_doubles(arena, 2 * half);
     pass.displacement = tvi_arena_allocate_doubles(arena, 2 * half);
     pass.L_vv.matrix = tvi_arena_allocate_doubles(arena, (size_t)n * half);

@@ -44,9 +44,9 @@ static void allocate_nodes(galerkin_nodes *nodes, tvi_arena *arena, const tvi_sy
 static void allocate_tail(galerkin_tail *tail, tvi_arena *arena, const tvi_system *system, const double *scale)
 {
     galerkin_sums *sums = &tail->sums;
-    double **const vectors[] = {&sums->once,      &sums->once_low,  &sums->twice,
-                                &sums->twice_low, &sums->last_term, &sums->ends};
-    for (size_t i = 0; i < 6; i++) *vectors[i] = tvi_arena_allocate_doubles(arena, (size_t)system->input_count + 7);
+    tvi_arena_allocate_each(arena, (size_t)system->input_count + 7,
+                            (double **[]){&sums->once, &sums->once_low, &sums->twice, &sums->twice_low,
+                                          &sums->last_term, &sums->ends, NULL});
     tail->n = system->n;
     tail->is_separable = system->form == TVI_SEPARABLE;
     tail->has_masses = system->has_tail_shares_without_momenta;
@@ -101,7 +101,7 @@ static void set_tables(void *work)
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
 
-void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h)
+static void set_step_size(galerkin_stepper *stepper, double h)
 {
     galerkin_step *step = &stepper->step;
     const galerkin_nodes *nodes = &step->nodes;
@@ -181,7 +181,7 @@ static galerkin_outcome make_steps(galerkin_stepper *stepper, bool by_code, bool
     galerkin_history *history = stepper->predictor.history;
     galerkin_outcome outcome = {.ring_index = (int)history->ring_index, .largest_tail = stats->largest_tail};
     double elapsed;
-    tvi_galerkin_set_step_size(stepper, h);
+    set_step_size(stepper, h);
     if (h == history->last_h) outcome.convergence = history->convergence;
     if (may_extrapolate) outcome.is_extrapolated = tvi_galerkin_can_predict(stepper, origin->t, &elapsed);
     if (outcome.is_extrapolated && elapsed == 1 && h == history->last_h)

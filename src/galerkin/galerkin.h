@@ -9,9 +9,6 @@
 #include "system/legendre.h"
 #include "system/roundoff.h"
 
-/* [h] A step follows the last one if it begins less than this from where the last one ended. */
-#define GALERKIN_MAX_TIME_GAP 0.25 /* found: make longrun */
-
 /* ---- The parts of a stepper -------------------------------------------------------------------------------------- */
 
 /* The history of the last two steps, from which the next one is predicted; the integrator's history has it, and the
@@ -27,7 +24,6 @@ typedef struct {
 /* Memory of the prediction (predictor.c). */
 typedef struct {
     galerkin_history *history;
-    double *two_step_table, *last_step_table; /* [2][j][i] and [j][i] (galerkin_extrapolation) */
     /* [j][lanes] The factors of the last step's impulses in the rates of a step that is `ratio` times as large and
      * begins at the fraction `elapsed` of the last step. The ratio is 0 before the first computation. */
     double *resized_table, ratio, elapsed;
@@ -67,8 +63,6 @@ typedef struct {
 
 /* ---- galerkin.c -------------------------------------------------------------------------------------------------- */
 
-/* Sets the weights and scales of the nodes for the step size h. */
-void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h);
 /* The functions of nodes.h, ends.h and steps.h for the other files. tvi_galerkin_move moves the unknowns by the rates
  * in the rows of nodes.x. */
 void tvi_galerkin_move(const galerkin_step *step);
@@ -92,11 +86,6 @@ bool tvi_galerkin_invert_by_exchanges(const node_matrix *matrix, int lanes, void
 
 void tvi_galerkin_allocate_predictor(galerkin_stepper *stepper, tvi_arena *arena);
 void tvi_galerkin_set_predictor(galerkin_stepper *stepper);
-/* Returns whether a step of size h from time t begins where the last step ended. */
-static inline bool galerkin_follows_last_step(const galerkin_history *history, double h, double t)
-{
-    return fabs(t - (history->last_t + history->last_h)) < GALERKIN_MAX_TIME_GAP * fabs(h);
-}
 /* Returns whether the last step can predict the next one, of size step.h from time t, because its nodes are near those
  * of the last step. *elapsed is the fraction of the last step at which the new step begins: 1 for its end, 0 for its
  * start. */

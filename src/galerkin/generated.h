@@ -137,7 +137,6 @@ static void galerkin_make_generated_steps(const galerkin_step *of, const tvi_run
     generated_use_blocks(&step, &blocks, is_predicted);
     if (IS_LAGRANGIAN) {
         lagrangian = *of->lagrangian;
-        lagrangian.inversions = 0;
         generated_use_lagrangian(&lagrangian, &own_lagrangian, is_predicted);
         generated_set_sizes(&lagrangian.rates);
         lagrangian.rates.x = step.nodes.x + 2 * GALERKIN_N * GALERKIN_LANES;

@@ -37,15 +37,15 @@ enum { GALERKIN_RING_LENGTH = 3 };
 #if defined(JET_WIDE) && (!defined(GALERKIN_LANES) || GALERKIN_LANES == 8)
 typedef jet_v8 node_vec;
 typedef float node_single JET_VECTOR(float, 8);
-typedef jet_mask_of_jet_v8 node_mask;
+typedef jet_mask_of_jet_v8 jet_mask_of_node_vec;
 #elif defined(__AVX__)
 typedef jet_v4 node_vec;
 typedef float node_single JET_VECTOR(float, 4);
-typedef jet_mask_of_jet_v4 node_mask;
+typedef jet_mask_of_jet_v4 jet_mask_of_node_vec;
 #else
 typedef jet_v2 node_vec;
 typedef float node_single JET_VECTOR(float, 2);
-typedef jet_mask_of_jet_v2 node_mask;
+typedef jet_mask_of_jet_v2 jet_mask_of_node_vec;
 #endif
 enum { NODE_VEC = sizeof(node_vec) / sizeof(double), MAX_VECTORS = GALERKIN_MAX_LANES / NODE_VEC };
 
@@ -53,15 +53,11 @@ enum { NODE_VEC = sizeof(node_vec) / sizeof(double), MAX_VECTORS = GALERKIN_MAX_
 JET_INLINE node_vec node_load(const double *row, int v) { return *(const node_vec *)(row + v * NODE_VEC); }
 JET_INLINE void node_store(double *row, int v, node_vec x) { *(node_vec *)(row + v * NODE_VEC) = x; }
 JET_INLINE node_vec node_all(double x) { return x - (node_vec){0}; }
-JET_INLINE node_vec node_larger(node_vec a, node_vec b)
-{
-    const node_mask mask = a > b;
-    return (node_vec)(((node_mask)a & mask) | ((node_mask)b & ~mask));
-}
+JET_INLINE node_vec node_larger(node_vec a, node_vec b) { return JET_CHOOSE(node_vec, a > b, a, b); }
 
 /* In the library a loop is a function of its own, which can use all registers. In generated code, where all sizes are
- * constants, it is inlined. BY_LANES executes the call, which reads the constant `lanes`. A
- * set with vectors of 8 nodes is used with 8 lanes alone (tvi_choose_stepper). */
+ * constants, it is inlined. BY_LANES executes the call, which reads the constant `lanes`. A set with vectors of 8 nodes
+ * is used with 8 lanes alone (generating/methods.c). */
 #define WITH_LANES(count, call)                                                                                        \
     {                                                                                                                  \
         enum { lanes = count };                                                                                        \

@@ -4,6 +4,8 @@
 /* [1] After a step whose first pass moved the unknowns by more than this part, root mean square, the next step is
  * predicted from the last one alone. */
 #define GALERKIN_ROUGH_PREDICTION 1e-2 /* found: make longrun */
+/* [h] A step follows the last one if it begins less than this from where the last one ended. */
+#define GALERKIN_MAX_TIME_GAP 0.25 /* found: make longrun */
 /* [1] A step is predicted from the last one if its size, divided by that of the last step, is at most this. */
 #define GALERKIN_PREDICTION_MAX_RATIO 1.5 /* found: make longrun */
 /* [1] The least such quotient. A step in the opposite direction has a negative one. */
@@ -17,8 +19,8 @@ void tvi_galerkin_allocate_predictor(galerkin_stepper *stepper, tvi_arena *arena
     predictor->history = tvi_arena_allocate_copied(arena, sizeof *predictor->history);
     for (int i = 0; i < GALERKIN_RING_LENGTH; i++)
         stepper->step.ring[i] = tvi_arena_allocate_uncopied(arena, unknowns * lanes * sizeof(double));
-    predictor->two_step_table = tvi_arena_allocate_doubles(arena, 2 * lanes * lanes);
-    predictor->last_step_table = tvi_arena_allocate_doubles(arena, lanes * lanes);
+    stepper->step.two_step_table = tvi_arena_allocate_doubles(arena, 2 * lanes * lanes);
+    stepper->step.last_step_table = tvi_arena_allocate_doubles(arena, lanes * lanes);
     predictor->resized_table = tvi_arena_allocate_doubles(arena, lanes * lanes);
     predictor->rates = tvi_arena_allocate_doubles(arena, unknowns * lanes);
     predictor->zeros = tvi_arena_allocate_doubles(arena, unknowns + lanes);
@@ -34,11 +36,9 @@ void tvi_galerkin_set_predictor(galerkin_stepper *stepper)
     galerkin_step *step = &stepper->step;
     const int m = step->nodes.node_count, lanes = step->nodes.lane_count, unknowns = step->nodes.unknown_count;
     tvi_galerkin_extrapolation(&stepper->coefficients, 2, m > 1 ? 3 * m / 2 : 1, stepper->predicted_by_impulse,
-                               predictor->two_step_table);
+                               stepper->step.two_step_table);
     tvi_galerkin_extrapolation(&stepper->coefficients, 1, m - 1, stepper->predicted_by_impulse,
-                               predictor->last_step_table);
-    step->two_step_table = predictor->two_step_table;
-    step->last_step_table = predictor->last_step_table;
+                               stepper->step.last_step_table);
     step->two_step_max_movement = unknowns * lanes * (GALERKIN_ROUGH_PREDICTION * GALERKIN_ROUGH_PREDICTION);
     for (int i = 0; i < unknowns + lanes; i++) predictor->ones[i] = 1;
 }
@@ -49,7 +49,7 @@ bool tvi_galerkin_can_predict(const galerkin_stepper *stepper, double t, double 
     const double h = stepper->step.h;
     if (history->last_h == 0) return false;
     const double ratio = h == history->last_h ? 1 : h / history->last_h;
-    const bool is_next = galerkin_follows_last_step(history, h, t);
+    const bool is_next = fabs(t - (history->last_t + history->last_h)) < GALERKIN_MAX_TIME_GAP * fabs(h);
     *elapsed = is_next ? 1 : 0;
     return ratio <= GALERKIN_PREDICTION_MAX_RATIO &&
            (is_next ? ratio >= GALERKIN_PREDICTION_BACK_RATIO : t == history->last_t && ratio > 0);

@@ -47,7 +47,7 @@ typedef struct galerkin_step {
     tvi_stopping_rule rule; /* that ends the passes */
     /* Tables of the prediction (galerkin_extrapolation), and the impulses of the last steps, stored in the history. If
      * the movement of the first pass of a step is larger than this limit, the next step is predicted from one step. */
-    const double *two_step_table, *last_step_table;
+    double *two_step_table, *last_step_table;
     double two_step_max_movement;
     double *ring[GALERKIN_RING_LENGTH];
     lagrangian_pass *lagrangian;   /* NULL for other forms */
@@ -237,7 +237,7 @@ static inline bool galerkin_add_step(int n, const tvi_run_request *run, const tv
 /* ---- Steps in a row ---------------------------------------------------------------------------------------------- */
 
 /* Makes steps of size step->h in a row from the origin, and adds them to `state`. h is in nodes.hb, nodes.scale and
- * nodes.m_over_h (tvi_galerkin_set_step_size). If `state` is NULL, makes a single step and adds
+ * nodes.m_over_h (set_step_size of galerkin.c). If `state` is NULL, makes a single step and adds
  * nothing. If outcome->equal_step_count is 0, the caller has set the unknowns of the first step. */
 static inline void galerkin_make_steps(galerkin_step *step, const tvi_run_request *run, const tvi_step_origin *origin,
                                        const tvi_run_state *state, galerkin_outcome *outcome)

@@ -115,8 +115,9 @@ void tvi_galerkin_allocate_tables(galerkin_coefficients *coefficients, galerkin_
     polynomials->to_samples = tvi_arena_allocate_doubles(arena, width * TVI_SAMPLES);
     polynomials->twice_to_samples = tvi_arena_allocate_doubles(arena, width * TVI_SAMPLES);
     coefficients->lane_count = lanes;
-    double **const rows[] = {&coefficients->b, &coefficients->c, &coefficients->one_minus_c, &coefficients->last_term};
-    for (size_t i = 0; i < 4; i++) *rows[i] = tvi_arena_allocate_doubles(arena, width);
+    tvi_arena_allocate_each(
+        arena, width,
+        (double **[]){&coefficients->b, &coefficients->c, &coefficients->one_minus_c, &coefficients->last_term, NULL});
     coefficients->nu = tvi_arena_allocate_doubles(arena, width * width);
 }
 

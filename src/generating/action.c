@@ -53,12 +53,12 @@ void tvi_action_allocate(tvi_action *action, tvi_arena *arena, const tvi_system 
                      (size_t)(TVI_WHOLE_VECTORS((action->order_count + 1) / 2) * TVI_WHOLE_VECTORS(action->half));
     const bool needs_momenta = system->form == TVI_HAMILTONIAN && !action->is_hamilton;
     action->tape = needs_momenta ? system->field_series : system->field_values;
-    tvi_allocate_each(arena, nodes, (double **[]){&action->s, &action->weight, NULL});
+    tvi_arena_allocate_each(arena, nodes, (double **[]){&action->s, &action->weight, NULL});
     tvi_node_table *const tables[] = {&action->power,      &action->slope,          &action->second,
                                       &action->node_power, &action->weighted_power, &action->weighted_slope};
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
         tables[i]->all = tvi_arena_allocate_doubles(arena, orders * nodes);
-        tvi_allocate_each(arena, half_rows, (double **[]){&tables[i]->even, &tables[i]->odd, NULL});
+        tvi_arena_allocate_each(arena, half_rows, (double **[]){&tables[i]->even, &tables[i]->odd, NULL});
     }
     action->node_sums = tvi_arena_allocate_doubles(arena, orders);
     if (tvi_quadrature_order(options->quadrature, options->quadrature_points) < action->q_degree + action->p_degree)
@@ -67,7 +67,7 @@ void tvi_action_allocate(tvi_action *action, tvi_arena *arena, const tvi_system 
     if (system->form == TVI_HAMILTONIAN && action->is_hamilton && action->is_truncated)
         action->Hp_slots = tvi_arena_allocate_block(arena, system->r_dot_Hp_values, 1, action->nodes, 0);
     action->P = tvi_arena_allocate_doubles(arena, orders * n);
-    tvi_allocate_each(
+    tvi_arena_allocate_each(
         arena, n * nodes,
         (double **[]){&action->p, &action->dp_ds, &action->by_q, &action->by_v, &action->by_p, &action->dp, NULL});
     if (needs_momenta) {
@@ -173,8 +173,8 @@ static const tvi_curve_code *const code_of_isa[JET_ISA_COUNT] = {
 
 const tvi_curve_code *tvi_curve_code_for(const jet_tape *tape) { return code_of_isa[tape->sweeps->isa]; }
 
-/* Truncated nodes of Hamilton's action, and those of tvi_action_lagrangian, are computed without fused multiply-adds on
- * every processor. */
+/* Truncated nodes of Hamilton's action are computed without fused multiply-adds on every processor, as they always
+ * were; so are those of tvi_action_lagrangian. */
 tvi_status tvi_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     const bool is_bent = action->is_hamilton && action->is_truncated;
@@ -184,12 +184,6 @@ tvi_status tvi_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[
     if (status != TVI_OK) return status;
     const bool has_U = curve->system->form != TVI_SEPARABLE;
     return tvi_all_finite(seeds, seed_Q) && (!has_U || tvi_all_finite(seeds, seed_U)) ? TVI_OK : TVI_ENONFINITE;
-}
-
-tvi_status tvi_action_lagrangian(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
-                                 const double p[])
-{
-    return tvi_curve_loops.lagrangian(action, curve, q, v, p);
 }
 
 /* ---- Roundoff ---------------------------------------------------------------------------------------------------- */

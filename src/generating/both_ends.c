@@ -80,7 +80,7 @@ static void allocate_curve(end_curve *x, tvi_arena *arena, const tvi_system *sys
     x->P = tvi_arena_allocate_doubles(arena, degree * n);
     x->seed_Q = tvi_arena_allocate_doubles(arena, (degree + 1) * n);
     x->G = tvi_arena_allocate_doubles(arena, n * 2 * n);
-    tvi_allocate_each(arena, 2 * n, (double **[]){&x->R, &x->multiplier, &x->dz, NULL});
+    tvi_arena_allocate_each(arena, 2 * n, (double **[]){&x->R, &x->multiplier, &x->dz, NULL});
     tvi_factor_allocate(&x->B, arena, system->n);
 }
 
@@ -104,12 +104,12 @@ static void *allocate(tvi_arena *arena, const tvi_system *system, const tvi_opti
     }
     w.q_at_end = tvi_curve_sum_allocate(&w.a.curve, arena);
     w.v_at_end = tvi_curve_sum_allocate(&w.a.curve, arena);
-    tvi_allocate_each(arena, n * points,
-                      (double **[]){&w.y, &w.v, &w.pi, &w.dpi_ds, &w.S_y, &w.S_v, &w.S_difference, NULL});
+    tvi_arena_allocate_each(arena, n * points,
+                            (double **[]){&w.y, &w.v, &w.pi, &w.dpi_ds, &w.S_y, &w.S_v, &w.S_difference, NULL});
     w.row = tvi_arena_allocate_doubles(arena, points);
-    tvi_allocate_each(arena, 2 * n,
-                      (double **[]){&w.z_a, &w.start_correction_p, &w.increment_correction_p, &w.last_dq, &w.last_dp,
-                                    &w.scratch, NULL});
+    tvi_arena_allocate_each(arena, 2 * n,
+                            (double **[]){&w.z_a, &w.start_correction_p, &w.increment_correction_p, &w.last_dq,
+                                          &w.last_dp, &w.scratch, NULL});
     if (allocated) *allocated = w;
     return allocated;
 }
@@ -323,15 +323,14 @@ static bool compute_jacobian(void *self, double matrix[])
 {
     const work *w = self;
     const size_t n = (size_t)w->n, row = 3 * n, bytes = n * sizeof *matrix;
-    double *G = w->b.G;
+    double *u_jacobian = w->a.curve.sum_jacobian;
     memset(matrix, 0, row * row * sizeof *matrix);
-    tvi_curve_sum_jacobian(&w->a.curve, &w->a.u_here, G);
-    for (size_t i = 0; i < n; i++) memcpy(matrix + (2 * n + i) * row, G + i * 2 * n + n, bytes);
-    tvi_curve_sum_jacobian(&w->b.curve, &w->b.q_rise, G);
+    tvi_curve_sum_jacobian(&w->a.curve, &w->a.u_here, u_jacobian);
+    for (size_t i = 0; i < n; i++) memcpy(matrix + (2 * n + i) * row, u_jacobian + i * 2 * n + n, bytes);
     for (size_t i = 0; i < n; i++) {
         memcpy(matrix + i * row, w->a.G + i * 2 * n + n, bytes);
         matrix[i * row + n + i] = -1;
-        memcpy(matrix + (n + i) * row + n, G + i * 2 * n, 2 * bytes);
+        memcpy(matrix + (n + i) * row + n, w->b.G + i * 2 * n, 2 * bytes);
         matrix[(n + i) * row + n + i] += 1;
     }
     return true;

@@ -1,13 +1,12 @@
 /* corrected.h - declares the Taylor curve of a step together with the small corrections that a generating function adds
  * to its ends, and the solvers of the equations for these corrections. step.c calls them in each pass.
- *
  * A step is the curve from one end to the other plus small corrections, which make it symplectic:
  *     q0 = q- + start_correction_q,   q1 - q0 = (q+ - q-) + increment_correction_q,
  *     p0 = p- + start_correction_p,   p1 - p0 = (p+ - p-) + increment_correction_p,
  * with the states (q0, p0) and (q1, p1) at the ends of the step, and the states (q-, p-) and (q+, p+) at the curve's
- * ends. The equations of a generating function (method/closing.h) determine these corrections from D_z, the gradient of
- * the discrete action in defect form (action.h), and from the Jacobians of the curve's ends by its centre state z. All
- * other parts of a step are the same for all generating functions. */
+ * ends. The equations of a generating function (method/descriptor.h) determine these corrections from D_z, the gradient
+ * of the discrete action in defect form (action.h), and from the Jacobians of the curve's ends by its centre state z.
+ * All other parts of a step are the same for all generating functions. */
 #ifndef TVI_SRC_GENERATING_CORRECTED_H
 #define TVI_SRC_GENERATING_CORRECTED_H
 
@@ -48,7 +47,7 @@ struct tvi_corrected_curve {
 /* Computes p_size, relative to which corrections of p are measured. */
 static inline void corrected_compute_p_size(const tvi_corrected_curve *c)
 {
-    curve_sum_by(tvi_add_weighted_magnitudes, &c->curve, &c->p_size_sum, c->p_size);
+    curve_sum_by(&c->curve, &c->p_size_sum, true, c->p_size);
     for (int i = 0; i < c->curve.n; i++) c->p_size[i] /= fabs(c->curve.kappa[i]);
 }
 

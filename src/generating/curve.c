@@ -22,18 +22,18 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
                  slots = (size_t)system->field_series->slot_count,
                  lanes = 2 * n < CURVE_TANGENT_DIRECTIONS ? 2 * n : CURVE_TANGENT_DIRECTIONS;
     *curve = (tvi_curve){.system = system, .jacobians = jacobians, .n = system->n, .highest_order = highest_order};
-    tvi_allocate_each(
+    tvi_arena_allocate_each(
         arena, n,
         (double **[]){&curve->kappa, &curve->dq_size, &curve->u_size, &curve->tail_share, &curve->tail_ratio, NULL});
-    tvi_allocate_each(arena, orders + 1, (double **[]){&curve->one_over, &curve->log_of, NULL});
+    tvi_arena_allocate_each(arena, orders + 1, (double **[]){&curve->one_over, &curve->log_of, NULL});
     curve->q_size_sum = tvi_curve_sum_allocate(curve, arena);
     curve->u_size_sum = tvi_curve_sum_allocate(curve, arena);
     curve->series = tvi_arena_allocate_block(arena, system->field_series, highest_order + 1, 1, 0);
     if (jacobians == TVI_JACOBIAN_PRODUCTS)
-        tvi_allocate_each(arena, orders * slots, (double **[]){&curve->tangents, &curve->adjoints, NULL});
+        tvi_arena_allocate_each(arena, orders * slots, (double **[]){&curve->tangents, &curve->adjoints, NULL});
     if (jacobians == TVI_JACOBIAN_MATRICES) {
         curve->tangents = tvi_arena_allocate_doubles(arena, orders * slots * lanes);
-        tvi_allocate_each(arena, 2 * n, (double **[]){&curve->dz, &curve->U_product, NULL});
+        tvi_arena_allocate_each(arena, 2 * n, (double **[]){&curve->dz, &curve->U_product, NULL});
         curve->sum_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * n);
         curve->dQ_dz = tvi_arena_allocate_doubles(arena, orders * n * 2 * n);
         if (system->form != TVI_SEPARABLE) curve->dU_dz = tvi_arena_allocate_doubles(arena, orders * n * 2 * n);
@@ -233,7 +233,7 @@ void tvi_curve_sum_set_powers(tvi_curve_sum *sum, const tvi_curve *curve, bool o
 
 void tvi_curve_sum_compute(const tvi_curve *curve, const tvi_curve_sum *sum, double out[])
 {
-    curve_sum_by(tvi_add_weighted_rows, curve, sum, out);
+    curve_sum_by(curve, sum, false, out);
 }
 
 void tvi_curve_z_sizes(const tvi_curve *curve, double size[])
@@ -266,8 +266,8 @@ void tvi_curve_set_degrees(tvi_curve *curve, int q_degree, int p_degree)
 
 void tvi_curve_compute_sizes(const tvi_curve *curve)
 {
-    curve_sum_by(tvi_add_weighted_magnitudes, curve, &curve->q_size_sum, curve->dq_size);
-    curve_sum_by(tvi_add_weighted_magnitudes, curve, &curve->u_size_sum, curve->u_size);
+    curve_sum_by(curve, &curve->q_size_sum, true, curve->dq_size);
+    curve_sum_by(curve, &curve->u_size_sum, true, curve->u_size);
 }
 
 double tvi_curve_tail(const tvi_curve *curve)

@@ -9,16 +9,17 @@
 #ifndef TVI_SRC_GENERATING_CURVE_H
 #define TVI_SRC_GENERATING_CURVE_H
 
-#include "algebra/linear_small.h"
+#include "algebra/linear.h"
 #include "algebra/sizes.h"
 #include "method/stepper.h"
 #include "system/system.h"
+#include "vector.h"
 
-/* [directions] One sweep of tangents has at most this many directions. A block of more would not fit into the cache
- * (make performance ONE=cost). */
+#include <float.h>
+#include <math.h>
+
+/* [directions] One sweep of tangents has at most this many directions. A block of more would not fit into the cache. */
 #define CURVE_TANGENT_DIRECTIONS 8 /* found: make performance ONE=cost */
-/* [1] An unknown smaller than this part of the largest of its group is measured as if it had this size. */
-#define NEWTON_MIN_SCALE 1e-20 /* found: make check-generating */
 /* [1] An old Jacobian leaves at most this relative error in the state, and so does a last correction that is computed
  * from products of the Jacobian with vectors. The roundoff of a step is much larger. */
 #define CURVE_NEGLIGIBLE_ERROR (DBL_EPSILON / 16) /* found: make check-generating */
@@ -59,11 +60,6 @@ static inline void tvi_add_weighted_rows(size_t count, const double weight[], si
 {
     add_weighted(count, weight, stride, components, row, out, false);
 }
-static inline void tvi_add_weighted_magnitudes(size_t count, const double weight[], size_t stride, size_t components,
-                                               const double row[], double out[])
-{
-    add_weighted(count, weight, stride, components, row, out, true);
-}
 
 /* A weighted sum of the curve's coefficients, sum_k weight_k Q_k or sum_k weight_k U_k. */
 typedef struct {
@@ -94,12 +90,6 @@ typedef struct {
     double *slots_by_v;              /* [slots][n] the derivatives of all slots by v, or p, at the centre */
     double *right_sides, *column;    /* scratch for solving with L_vv: [n][lanes], and one column [n] */
 } tvi_curve;
-
-/* Allocates `size` numbers for each of these fields, up to NULL. */
-static inline void tvi_allocate_each(tvi_arena *arena, size_t size, double **const field[])
-{
-    for (; *field; field++) **field = tvi_arena_allocate_doubles(arena, size);
-}
 
 /* ---- The coefficients -------------------------------------------------------------------------------------------- */
 
@@ -173,19 +163,18 @@ void tvi_curve_sum_set(tvi_curve_sum *sum, const tvi_curve *curve, bool of_U, co
 void tvi_curve_sum_set_powers(tvi_curve_sum *sum, const tvi_curve *curve, bool of_U, int degree, double a, double s_a,
                               double b, double s_b);
 
-/* Computes out[n], the sum, or the sum of the coefficients' magnitudes if `add` is tvi_add_weighted_magnitudes. Small
- * terms are added first. */
-typedef void curve_row_adder(size_t, const double[], size_t, size_t, const double[], double[]);
-static inline void curve_sum_by(curve_row_adder *add, const tvi_curve *curve, const tvi_curve_sum *sum, double out[])
+/* Computes out[n], the sum, or the sum of the coefficients' magnitudes if of_sizes is set. Small terms are added
+ * first. */
+static inline void curve_sum_by(const tvi_curve *curve, const tvi_curve_sum *sum, const bool of_sizes, double out[])
 {
     const size_t orders = (size_t)curve->highest_order + 1, stride = curve_stride(curve), n = (size_t)curve->n;
     memset(out, 0, n * sizeof *out);
     if (!sum->is_of_U || curve->system->form == TVI_HAMILTONIAN)
-        add(orders, sum->weight, stride, n, curve->series + (sum->is_of_U ? n : 0), out);
+        add_weighted(orders, sum->weight, stride, n, curve->series + (sum->is_of_U ? n : 0), out, of_sizes);
     else
         for (size_t i = 0; i < n; i++)
-            add(orders, sum->weight, stride, 1, curve->series + curve->system->field_series->output_slot[n + i],
-                out + i);
+            add_weighted(orders, sum->weight, stride, 1,
+                         curve->series + curve->system->field_series->output_slot[n + i], out + i, of_sizes);
 }
 
 /* Computes out[n], the sum; its Jacobian by z, matrix[n][2n]; and the Jacobian times dz, out[n], for the dz that
@@ -238,20 +227,17 @@ typedef struct {
 
 struct tvi_action;
 typedef struct {
-    /* Of seeds.c: tvi_action_seeds and tvi_action_lagrangian (action.h). */
+    /* Of seeds.c: tvi_action_seeds (action.h). */
     tvi_status (*seeds)(struct tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
-    tvi_status (*lagrangian)(struct tvi_action *action, tvi_curve *curve, const double q[], const double v[],
-                             const double p[]);
     /* Of rescale.c: rescales tau and the coefficients to the unit of time factor * tau. In the same sweep it computes
      * the increments dq = q(1) - q(0) and du = u(1) - u(0), [n], and the sizes of tvi_curve_compute_sizes. */
     void (*rescale)(tvi_curve *curve, double factor, double dq[], double du[]);
-    /* Of products.c: computes the product out[2n] of a separable system by an adjoint sweep, from the orders of the
-     * curve up to last_order, 1 <= last_order <= highest_order; the cost grows as its square. */
-    void (*multiply_transposed)(tvi_curve *curve, int last_order, const tvi_transposed_product *of, double out[]);
     const struct tvi_end_solver *solver_by_products;
 } tvi_curve_code;
 /* What the files of a set define. */
 void tvi_curve_rescale(tvi_curve *curve, double factor, double dq[], double du[]);
+/* Of products.c: computes the product out[2n] of a separable system by an adjoint sweep, from the orders of the curve
+ * up to last_order, 1 <= last_order <= highest_order; the cost grows as its square. */
 void tvi_multiply_transposed(tvi_curve *curve, int last_order, const tvi_transposed_product *of, double out[]);
 extern const struct tvi_end_solver tvi_solver_by_products;
 extern const tvi_curve_code tvi_curve_loops, tvi_curve_loops_avx2, tvi_curve_loops_avx512;

@@ -7,7 +7,7 @@
 
 /* [coordinates] Separable systems with at least this many coordinates use products of Jacobians with vectors instead of
  * matrices. Products cost less from 6 coordinates or so on, but stiff systems of few bodies at large steps do better
- * with matrices, which can be made anew by differences (make performance ONE=cost). */
+ * with matrices, which can be made anew by differences. */
 #define PRODUCTS_MIN_COORDINATES 8 /* found: make performance ONE=cost */
 
 tvi_jacobians tvi_curve_choose_jacobians(const tvi_system *system)
@@ -97,11 +97,6 @@ void tvi_curve_multiply_seeds(tvi_curve *curve, const double seed_Q[], const dou
 {
     const jet_sweeps *sweeps = curve->system->field_series->sweeps;
     const int n = curve->n, rows = (curve->highest_order + 1) * n;
-    if (curve->jacobians == TVI_JACOBIAN_PRODUCTS) {
-        const tvi_transposed_product of = {.seed_Q = seed_Q};
-        tvi_curve_code_for(curve->system->field_series)->multiply_transposed(curve, curve->highest_order, &of, out);
-        return;
-    }
     sweeps->combine(rows, seed_Q, 1, 2 * n, curve->dQ_dz, out);
     if (curve->system->form == TVI_SEPARABLE || !seed_U) return;
     sweeps->combine(rows, seed_U, 1, 2 * n, curve->dU_dz, curve->U_product);

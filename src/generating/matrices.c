@@ -9,13 +9,12 @@
 #define MATRICES_MAX_MOVEMENT 1e-4 /* found: make check-generating */
 
 typedef struct {
-    double *z;                  /* [2n] the state z at which the Jacobians of the curve were last computed */
-    int computed;               /* how often they were computed in this step */
-    int computed_when_factored; /* `computed` when A was last factored: the factors are valid if it is the same */
-    bool has_J;                 /* whether the corrector's Jacobian J = d(q-, u-)/dz was computed in this step */
-    double moved;               /* how far z has moved since J was computed, relative to the size of z */
-    double *G;                  /* [n][2n] scratch: the Jacobian of a sum */
-    tvi_lu_factor A;            /* the factors of A: n x n, or 2n x 2n */
+    double *z;          /* [2n] the state z at which the Jacobians of the curve were last computed */
+    bool has_jacobians; /* whether they were computed in this step, and A factored */
+    bool has_J;         /* whether the corrector's Jacobian J = d(q-, u-)/dz was computed in this step */
+    double moved;       /* how far z has moved since J was computed, relative to the size of z */
+    double *G;          /* [n][2n] the Jacobian of equations.upper, if lower is 0 */
+    tvi_lu_factor A;    /* the factors of A: n x n, or 2n x 2n */
 } tvi_matrices;
 
 static void allocate(tvi_corrected_curve *c, tvi_arena *arena)
@@ -32,8 +31,7 @@ static void allocate(tvi_corrected_curve *c, tvi_arena *arena)
 static void begin(tvi_corrected_curve *c)
 {
     tvi_matrices *m = c->solver_memory;
-    m->computed = m->computed_when_factored = 0;
-    m->has_J = false;
+    m->has_jacobians = m->has_J = false;
 }
 
 /* Writes the Jacobians of two sums, one above the other: [2n][2n]. */
@@ -98,7 +96,7 @@ static double error_per_distance(const tvi_corrected_curve *c, const double scal
 static bool are_jacobians_due(const tvi_corrected_curve *c, const double z[], const double scale[])
 {
     tvi_matrices *m = c->solver_memory;
-    if (m->computed == 0) return true;
+    if (!m->has_jacobians) return true;
     const double distance = distance_from_jacobians(c, z, scale);
     if (distance * error_per_distance(c, scale) <= CURVE_NEGLIGIBLE_ERROR) return false;
     m->moved += distance;
@@ -129,19 +127,15 @@ static tvi_status solve_end_equations(tvi_corrected_curve *c, const double z[], 
     if (are_jacobians_due(c, z, scale)) {
         tvi_curve_compute_jacobians(&c->curve);
         memcpy(m->z, z, 2 * n * sizeof *z);
-        m->computed++;
+        m->has_jacobians = true;
         stats->factorisations++;
-    }
-    tvi_curve_multiply_seeds(&c->curve, c->seed_Q, c->seed_U, c->D_z);
-    if (m->computed_when_factored != m->computed) {
-        m->computed_when_factored = m->computed;
         const tvi_status status = factor_A(c);
         if (status != TVI_OK) return status;
     }
+    tvi_curve_multiply_seeds(&c->curve, c->seed_Q, c->seed_U, c->D_z);
     tvi_factor_solve_transposed(&m->A, c->D_z + solved);
     if (equations->lower) return TVI_OK;
     /* The other half of D_z becomes D_z - K^T x, with K the other half of the Jacobian. */
-    tvi_curve_sum_jacobian(&c->curve, &c->ends[equations->upper], m->G);
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++) c->D_z[other + j] -= c->D_z[solved + i] * m->G[i * 2 * n + other + j];
     return TVI_OK;

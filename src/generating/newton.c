@@ -4,7 +4,6 @@
  * pass to the next. */
 #include "generating/newton.h"
 #include "algebra/sizes.h"
-#include "generating/curve.h"
 #include "method/stepper.h"
 
 #include <float.h>
@@ -21,8 +20,7 @@
 /* [1] Corrections that no longer shrink are roundoff if they are at most this part of the largest unknowns, or of the
  * numbers from which the residual is computed. */
 #define NEWTON_STALLED_CORRECTION (256 * DBL_EPSILON) /* found: make check-generating */
-/* [1] Larger corrections are no roundoff. They show by which factor the contraction ratio, that of a correction to the
- * one before it, grows from pass to pass. */
+/* [1] Larger corrections are no roundoff, and show the growth of the contraction ratio. */
 #define NEWTON_GROWTH_MIN_CORRECTION 1e-13 /* found: make check-generating */
 /* [1] An extra pass confirms that the unknowns were converged if its correction is at most this. */
 #define NEWTON_CHECK_MAX_CORRECTION (8 * DBL_EPSILON) /* found: make check-generating */
@@ -66,37 +64,41 @@ static void raise_small_scales(const tvi_newton *newton, int begin, int end)
 /* Computes the scales of the unknowns: their natural sizes at the prediction. If a correction has moved an unknown by
  * about its scale (NEWTON_SAME_SCALE_MAX_CORRECTION), the prediction said nothing of it, and its size at the new point
  * is its scale, if that is smaller. A larger size is not: where the series diverge, their terms have any size, and each
- * correction would be small beside it. */
-static void compute_scales(tvi_newton *newton, const tvi_equations *equations, bool is_first)
+ * correction would be small beside it. *fell becomes true if a scale is smaller than before. Fails if a size is not
+ * finite, beside which each correction would be nothing. */
+static tvi_status compute_scales(tvi_newton *newton, const tvi_equations *equations, bool is_first, bool *fell)
 {
     const tvi_subsystems *subsystems = newton->subsystems;
     double *sizes = is_first ? newton->scale : newton->trial_x;
     equations->scale(equations->self, sizes);
-    for (int i = 0; i < newton->size; i++) newton->scale[i] = tvi_smaller(sizes[i], newton->scale[i]);
+    if (!tvi_all_finite(newton->size, sizes)) return TVI_ENONFINITE;
+    for (int i = 0; i < newton->size; i++)
+        if (sizes[i] > 0 && sizes[i] < newton->scale[i]) {
+            newton->scale[i] = sizes[i];
+            *fell = true;
+        }
     for (int k = 0, begin = 0, end; k < subsystems->count; k++, begin = end) {
         end = tvi_subsystems_end(subsystems, k, newton->group);
         raise_small_scales(newton, begin, end);
     }
+    return TVI_OK;
 }
 
 /* Measures the corrections of one subsystem, for the entries begin .. end - 1 of the list of components. `scale` is
- * newton->scale or newton->roundoff_scale. A correction that is not finite makes the sizes NaN, since x - x is 0 for
- * finite x only. */
+ * newton->scale or newton->roundoff_scale. */
 static void measure_subsystem(const tvi_newton *newton, const double scale[], int begin, int end,
                               correction_sizes *sizes)
 {
     for (int first = 0; first < newton->size; first += newton->group) {
-        double relative = sizes->unknown, largest = 0, largest_scale = 0, rest = 0;
+        double largest = 0, largest_scale = 0;
         for (int k = begin; k < end; k++) {
             const int i = first + tvi_subsystems_component_at(newton->subsystems, k);
-            const double correction = newton->correction[i], size = fabs(correction);
-            rest += correction - correction;
-            relative = tvi_larger(size / scale[i], relative);
+            const double size = fabs(newton->correction[i]);
+            sizes->unknown = tvi_larger(size / scale[i], sizes->unknown);
             largest = tvi_larger(size, largest);
             largest_scale = tvi_larger(scale[i], largest_scale);
         }
-        sizes->unknown = relative + rest;
-        sizes->group = tvi_larger(largest / largest_scale, sizes->group) + rest;
+        sizes->group = tvi_larger(largest / largest_scale, sizes->group);
     }
 }
 
@@ -189,9 +191,9 @@ void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int groups, const
                            .size = groups * system->n,
                            .group = system->n,
                            .subsystems = &system->subsystems};
-    tvi_allocate_each(arena, (size_t)newton->size,
-                      (double **[]){&newton->x, &newton->correction, &newton->scale, &newton->roundoff_scale,
-                                    &newton->trial_x, &newton->trial_r, NULL});
+    tvi_arena_allocate_each(arena, (size_t)newton->size,
+                            (double **[]){&newton->x, &newton->correction, &newton->scale, &newton->roundoff_scale,
+                                          &newton->trial_x, &newton->trial_r, NULL});
     if (has_jacobian) tvi_factor_allocate(&newton->factor, arena, newton->size);
     newton->known_growth = tvi_arena_allocate_copied(arena, sizeof *newton->known_growth);
 }
@@ -247,13 +249,20 @@ static bool is_correction_roundoff(tvi_newton *newton, const tvi_equations *equa
     return true;
 }
 
-/* Makes pass number `count`: correction = -K^-1 r(x). */
-static tvi_status make_pass(tvi_newton *newton, const tvi_equations *equations, int count, bool needs_scales,
-                            bool by_differences, tvi_stats *stats)
+/* Begins the tests of convergence anew, since corrections relative to smaller scales are no larger for that. */
+static void forget_sizes(newton_progress *record, const tvi_stopping_rule *rule)
 {
-    tvi_status status = equations->residual(equations->self, newton->x, newton->correction);
-    if (status != TVI_OK) return status;
-    if (needs_scales) compute_scales(newton, equations, count == 1);
+    if (rule->exact_passes > 0) return;
+    tvi_convergence_begin(&record->unknowns, 0);
+    tvi_convergence_begin(&record->groups, 0);
+    record->unconfirmed = 0;
+}
+
+/* Computes the correction of a pass, -K^-1 r(x), from the residual in newton->correction. */
+static tvi_status compute_correction(tvi_newton *newton, const tvi_equations *equations, bool by_differences,
+                                     tvi_stats *stats)
+{
+    tvi_status status = TVI_OK;
     for (int i = 0; i < newton->size; i++) newton->correction[i] = -newton->correction[i];
     if (by_differences) {
         status = differentiate_residual(newton, equations);
@@ -269,8 +278,7 @@ static tvi_status make_pass(tvi_newton *newton, const tvi_equations *equations, 
     }
     if (status != TVI_OK) return status;
     solve_with_jacobian(newton, equations, newton->correction);
-    for (int i = 0; i < newton->size; i++)
-        if (!isfinite(newton->correction[i])) return TVI_ENONFINITE;
+    if (!tvi_all_finite(newton->size, newton->correction)) return TVI_ENONFINITE;
     stats->passes++;
     return TVI_OK;
 }
@@ -283,9 +291,12 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
     for (int count = 1; count <= newton->unknown_rule.max_passes; count++) {
         refreshes += is_stuck;
         newton->is_by_differences = newton->has_jacobian && refreshes > 0;
-        const tvi_status status =
-            make_pass(newton, equations, count, needs_scales, newton->has_jacobian && is_stuck, stats);
+        bool fell = false;
+        tvi_status status = equations->residual(equations->self, newton->x, newton->correction);
+        if (status == TVI_OK && needs_scales) status = compute_scales(newton, equations, count == 1, &fell);
+        if (status == TVI_OK) status = compute_correction(newton, equations, newton->has_jacobian && is_stuck, stats);
         if (status != TVI_OK) return status;
+        if (fell) forget_sizes(&record, &newton->unknown_rule);
         const correction_sizes sizes = measure_corrections(newton, newton->scale);
         stats->residual = sizes.unknown;
         tvi_passes_verdict verdict = judge_pass(&record, newton, &sizes);

@@ -8,6 +8,9 @@
 #include "algebra/passes.h"
 #include "system/system.h"
 
+/* [1] An unknown smaller than this part of the largest of its group is measured as if it had this size. */
+#define NEWTON_MIN_SCALE 1e-20 /* found: make check-generating */
+
 /* The equations r(x) = 0 of a method. Its functions are called with `self`. */
 typedef struct {
     void *self;
@@ -40,8 +43,7 @@ typedef struct {
     const tvi_subsystems *subsystems; /* of the components */
     double *x, *correction, *scale;   /* [size] the unknowns, their last corrections and natural sizes */
     double *roundoff_scale;           /* the scale plus a multiple of the unknown's change by the residual's roundoff */
-    double *trial_x,
-        *trial_r; /* scratch: for differences the unknowns with one of them shifted, and the residual there */
+    double *trial_x, *trial_r;        /* [size] scratch */
     tvi_lu_factor factor;
     /* The largest factor by which the contraction ratio grew from one pass to the next in earlier solutions, or 0 if
      * there was none; part of the history. */

@@ -1,12 +1,13 @@
 /* products.c - solves the equations A^T x = D_z for the corrections of the curve's ends without forming Jacobians, for
  * separable systems of many coordinates. One adjoint sweep computes a product with a transposed Jacobian, and
  * generalised conjugate residuals solve the equations (docs/method.md sections 2 and 5). It is compiled once for each
- * instruction set; step.c calls it through the solver products of tvi_curve_code. The letters: x is the solution, r =
+ * instruction set; step.c calls it as solver_by_products of tvi_curve_code. The letters: x is the solution, r =
  * D_z - A^T x, s a direction, v = A^T s its image, P the preconditioner, and (x, y) = sum_i x_i y_i / size_i^2 over the
  * rows that are solved, with size_i that of the unknowns. */
 #include "algebra/passes.h"
 #include "generating/corrected.h"
-#include "rule.h"
+#include "generating/newton.h"
+#include "vector.h"
 
 #include <float.h>
 
@@ -95,8 +96,9 @@ static void allocate(tvi_corrected_curve *c, tvi_arena *arena)
     const size_t width = (size_t)rows;
     tvi_residuals *allocated = tvi_arena_allocate(arena, sizeof *allocated),
                   it = {.rows = rows, .first = c->definition->equations.has_last_columns ? n : 0};
-    tvi_allocate_each(arena, width, (double **[]){&it.x, &it.r, &it.one_over_size, &it.scratch, &it.product, NULL});
-    tvi_allocate_each(arena, PRODUCTS_MAX_ITERATIONS * width, (double **[]){&it.s, &it.v, NULL});
+    tvi_arena_allocate_each(arena, width,
+                            (double **[]){&it.x, &it.r, &it.one_over_size, &it.scratch, &it.product, NULL});
+    tvi_arena_allocate_each(arena, PRODUCTS_MAX_ITERATIONS * width, (double **[]){&it.s, &it.v, NULL});
     it.Q_size = tvi_arena_allocate_doubles(arena, (size_t)c->curve.highest_order + 1);
     if (allocated) *allocated = it;
     c->solver_memory = allocated;
@@ -273,8 +275,8 @@ static tvi_status solve(tvi_corrected_curve *c, const double z[], const double s
             it->Q_size[k] = tvi_largest_magnitude(c->curve.n, curve_Q(&c->curve, k), 1);
         for (int k = 0, first = 0; k < parts->count; first = parts->end_in_component_list[k++])
             set_subsystem_sizes(c, parts->component_list, first, parts->end_in_component_list[k]);
+        if (!lower_sum(c)) memset(it->one_over_size + n - (size_t)it->first, 0, n * sizeof *it->one_over_size);
     }
-    if (!lower_sum(c)) memset(it->one_over_size + n - (size_t)it->first, 0, n * sizeof *it->one_over_size);
     const tvi_status status = solve_for_x(c);
     memcpy(c->D_z, it->r, 2 * n * sizeof *c->D_z);
     memcpy(c->D_z + it->first, it->x + it->first, solved * sizeof *c->D_z);

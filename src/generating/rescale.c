@@ -1,7 +1,7 @@
 /* rescale.c - rescales the coefficients of a Taylor curve to another unit of time and sums them, in one sweep over the
  * coefficients. It is compiled once for each instruction set; taylor.c calls it through tvi_curve_code. */
 #include "generating/curve.h"
-#include "rule.h"
+#include "vector.h"
 
 #include <math.h>
 

@@ -411,8 +411,8 @@ static tvi_status compute_seeds(tvi_action *action, tvi_curve *curve, double see
     return TVI_OK;
 }
 
-static tvi_status evaluate_lagrangian(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
-                                      const double p[])
+tvi_status tvi_action_lagrangian(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
+                                 const double p[])
 {
     const size_t panel = (size_t)(curve->n * action->nodes) * sizeof *q;
     memcpy(action->slots, q, panel);
@@ -422,5 +422,4 @@ static tvi_status evaluate_lagrangian(tvi_action *action, tvi_curve *curve, cons
     return compute_lagrange(action, curve, true);
 }
 
-const tvi_curve_code tvi_curve_loops = {compute_seeds, evaluate_lagrangian, tvi_curve_rescale, tvi_multiply_transposed,
-                                        &tvi_solver_by_products};
+const tvi_curve_code tvi_curve_loops = {compute_seeds, tvi_curve_rescale, &tvi_solver_by_products};

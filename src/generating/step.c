@@ -57,7 +57,7 @@ static void compute_scale(void *self, double scale[])
     }
 }
 
-/* Computes the corrections of the ends from the solution (x, y) of the equations (method/closing.h). */
+/* Computes the corrections of the ends from the solution (x, y) of the equations (method/descriptor.h). */
 static void set_corrections(const tvi_corrected_curve *c)
 {
     const tvi_curve_end_correction_factors *factors = &c->definition->end_correction_factors;
@@ -257,10 +257,10 @@ static void *allocate(tvi_arena *arena, const tvi_system *system, const tvi_opti
     w.scratch = tvi_arena_allocate_doubles(arena, n);
     if (definition->equations.upper == TVI_NO_SUM) tvi_taylor_allocate(&w, arena);
     if (w.has_corrections) {
-        tvi_allocate_each(arena, n,
-                          (double **[]){&c->p_size, &c->start_correction_q, &c->start_correction_p,
-                                        &c->increment_correction_q, &c->increment_correction_p, NULL});
-        tvi_allocate_each(arena, (size_t)shape.order_count * n, (double **[]){&c->seed_Q, &c->seed_U, NULL});
+        tvi_arena_allocate_each(arena, n,
+                                (double **[]){&c->p_size, &c->start_correction_q, &c->start_correction_p,
+                                              &c->increment_correction_q, &c->increment_correction_p, NULL});
+        tvi_arena_allocate_each(arena, (size_t)shape.order_count * n, (double **[]){&c->seed_Q, &c->seed_U, NULL});
         c->D_z = tvi_arena_allocate_doubles(arena, 2 * n);
         c->solver = jacobians == TVI_JACOBIAN_PRODUCTS ? tvi_curve_code_for(system->field_series)->solver_by_products
                                                        : &tvi_solver_by_matrices;

@@ -10,7 +10,7 @@
 
 #include <math.h>
 
-/* [1] The last term of the series is e to minus this, times the tolerance. The paper (generating/taylor.c) has e to
+/* [1] The last term of the series is e to minus this, times the tolerance. Jorba and Zou have e to
  * minus 2; the other 3 allow for the growth of errors in tens of revolutions. */
 #define STEP_SIZE_SAFETY 5.0 /* found: make adaptive */
 /* [1] A step is at most this part of the radius of convergence. */
@@ -20,15 +20,13 @@
 #define STEP_SIZE_MAX_TAU_RATIO 16.0 /* found: make adaptive */
 /* [expansions] At most this many curves, each with another tau, are tried for a step. */
 #define STEP_SIZE_MAX_EXPANSIONS 64 /* found: make adaptive */
-/* [1] The size of a step, divided by that of the step before. */
-/* A step is at most this many times as long as the step before. */
+/* [1] A step is at most this many times as long as the step before. */
 #define STEP_SIZE_MAX_GROWTH 4.0 /* found: make adaptive */
-/* If a step grows by more, or is the first, the force at its end is checked. */
+/* [1] If a step grows by more than this factor, or is the first, the force at its end is checked. */
 #define STEP_SIZE_CHECKED_GROWTH 1.5 /* found: make adaptive */
 /* [1] For smaller tolerances generating/refine.c reduces the roundoff of a step; for larger ones errors exceed it. */
 #define REFINE_MAX_TOLERANCE 1e-13 /* found: make adaptive */
-/* [1] The omitted terms of a curve change the energy by at most this many times as much as the last two terms (make
- * guard). */
+/* [1] The omitted terms of a curve change the energy by at most this many times as much as the last two terms. */
 #define CURVE_ENERGY_BOUND_FACTOR 8 /* found: make guard */
 
 /* The estimate compares the last LAST nonzero coefficients of a series, of which two in a row may happen to be small,

@@ -18,9 +18,9 @@ typedef struct {
 /* Allocates the vectors of a state and of the increments of a step, with n components each. */
 static void allocate_state_and_increments(tvi_arena *arena, int n, tvi_run_state *state, tvi_increments *increments)
 {
-    double **const vectors[] = {&state->q,       &state->q_low,   &state->p,           &state->p_low,
-                                &increments->dq, &increments->dp, &increments->dq_low, &increments->dp_low};
-    for (size_t i = 0; i < 8; i++) *vectors[i] = tvi_arena_allocate_doubles(arena, (size_t)n);
+    tvi_arena_allocate_each(arena, (size_t)n,
+                            (double **[]){&state->q, &state->q_low, &state->p, &state->p_low, &increments->dq,
+                                          &increments->dp, &increments->dq_low, &increments->dp_low, NULL});
 }
 
 static void *allocate_composed_work(tvi_arena *arena, const tvi_system *system, const tvi_options *options)

@@ -124,6 +124,8 @@ struct tvi_descriptor {
      * computed by the lift with conjugate momenta (TVI_LIFT_PAIRED; docs/method.md, section 10). */
     bool needs_conjugate_momenta;
     const tvi_stepper *stepper;
+    /* Returns the stepper of this degree for the instruction set of the system's tapes; NULL: `stepper` serves all. */
+    const tvi_stepper *(*stepper_of_isa)(jet_isa isa, int degree);
     const tvi_stepper *predictor; /* The stepper for TVI_PREDICT_ONLY; NULL: `stepper` itself. */
     tvi_curve_definition curve;   /* The curve, if the method expands Taylor curves. */
 };

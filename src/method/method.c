@@ -215,32 +215,13 @@ tvi_status tvi_options_resolve(tvi_options *options, const tvi_system *system, c
                       requested.order, requested.degree);
 }
 
-/* The steppers of each instruction set. Their sources are compiled once for each set, and the Makefile gives the names
- * of all but the first a suffix. */
-#ifdef JET_ISA_X86
-extern const tvi_stepper tvi_stepper_galerkin_avx2, tvi_stepper_galerkin_avx512;
-static const tvi_stepper *const galerkin_of_isa[JET_ISA_COUNT] = {&tvi_stepper_galerkin, &tvi_stepper_galerkin_avx2,
-                                                                  &tvi_stepper_galerkin_avx512};
-#else
-static const tvi_stepper *const galerkin_of_isa[JET_ISA_COUNT] = {&tvi_stepper_galerkin};
-#endif
-
-/* Returns the stepper for the instruction set of the system's tapes. Five to eight nodes fill a vector of AVX-512;
- * other numbers fill those of AVX2. */
-static const tvi_stepper *stepper_of_isa(const tvi_stepper *stepper, const tvi_options *options,
-                                         const tvi_system *system)
-{
-    if (stepper != &tvi_stepper_galerkin) return stepper;
-    const jet_isa isa = system->field_values->sweeps->isa;
-    return galerkin_of_isa[isa == jet_isa_avx512 && (options->degree < 5 || options->degree > 8) ? jet_isa_avx2 : isa];
-}
-
 const tvi_stepper *tvi_choose_stepper(const tvi_options *options, const tvi_system *system)
 {
     const tvi_descriptor *descriptor = tvi_find_method(options);
     if (options->compose_adjoint) return &tvi_stepper_composed;
-    const bool predicts = options->passes == TVI_PREDICT_ONLY && descriptor->predictor;
-    return predicts ? descriptor->predictor : stepper_of_isa(descriptor->stepper, options, system);
+    if (options->passes == TVI_PREDICT_ONLY && descriptor->predictor) return descriptor->predictor;
+    return descriptor->stepper_of_isa ? descriptor->stepper_of_isa(system->field_values->sweeps->isa, options->degree)
+                                      : descriptor->stepper;
 }
 
 tvi_options tvi_adjoint_options(const tvi_options *options)

@@ -21,8 +21,8 @@ static void *allocate(tvi_arena *arena, const tvi_system *system, const tvi_opti
     verlet_work w = {.system = system};
     (void)options;
     w.force_block = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
-    double **const vectors[] = {&w.force_at_start, &w.force_at_end, &w.dq, &w.dp};
-    for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_allocate_doubles(arena, (size_t)system->n);
+    tvi_arena_allocate_each(arena, (size_t)system->n,
+                            (double **[]){&w.force_at_start, &w.force_at_end, &w.dq, &w.dp, NULL});
     if (taken) *taken = w;
     return taken;
 }

@@ -16,7 +16,7 @@ void tvi_roundoff_allocate(tvi_roundoff_estimator *roundoff, tvi_arena *arena, c
 {
     const size_t slots = (size_t)system->field_series->slot_count;
     roundoff->output_count = tvi_system_output_count(system);
-    roundoff->output_roundoff = tvi_arena_allocate_doubles(arena, (size_t)tvi_system_output_count(system));
+    roundoff->output_roundoff = tvi_arena_allocate_doubles(arena, (size_t)roundoff->output_count);
     roundoff->field_block = tvi_arena_allocate_block(arena, system->field_series, 1, 1, 0);
     roundoff->propagated_roundoff_of_slots = tvi_arena_allocate_doubles(arena, slots * SAMPLES);
 }
@@ -89,7 +89,7 @@ int tvi_roundoff_estimate_field(tvi_roundoff_estimator *roundoff, const tvi_syst
                                 int lanes, int point_count)
 {
     const jet_tape *tape = system->field_series;
-    const int outputs = tvi_system_output_count(system);
+    const int outputs = roundoff->output_count;
     roundoff->random_state = 1;
     memset(roundoff->output_roundoff, 0, (size_t)outputs * sizeof *roundoff->output_roundoff);
     for (int point = 0; point < point_count; point++) {
