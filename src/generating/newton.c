@@ -14,9 +14,9 @@
 #define NEWTON_MAX_PASSES 64 /* found: make check-generating */
 /* [Jacobians] The most that a step renews, after passes that did not contract. */
 #define NEWTON_MAX_REFRESHES 3 /* found: make check-generating */
-/* [1] The scales of unknowns are computed again after a correction larger than this part of one. A smaller correction
- * leaves at least half of each size. */
-#define NEWTON_SAME_SCALE_MAX_CORRECTION 0.5 /* found: make check-generating */
+/* [1] A scale is taken again if the size of its unknown falls below this part of it, for which a correction has to move
+ * the unknown by this part at least. */
+#define NEWTON_SAME_SCALE 0.5 /* found: make check-generating */
 /* [1] Corrections that no longer shrink are roundoff if they are at most this part of the largest unknowns, or of the
  * numbers from which the residual is computed. */
 #define NEWTON_STALLED_CORRECTION (256 * DBL_EPSILON) /* found: make check-generating */
@@ -62,9 +62,9 @@ static void raise_small_scales(const tvi_newton *newton, int begin, int end)
 }
 
 /* Computes the scales of the unknowns: their natural sizes at the prediction. If a correction has moved an unknown by
- * about its scale (NEWTON_SAME_SCALE_MAX_CORRECTION), the prediction said nothing of it, and its size at the new point
- * is its scale, if that is smaller. A larger size is not: where the series diverge, their terms have any size, and each
- * correction would be small beside it. *fell becomes true if a scale is smaller than before. Fails if a size is not
+ * about its scale (NEWTON_SAME_SCALE), the prediction said nothing of it, and its size at the new point is its scale,
+ * if that is less than half of it. A larger size is not: where the series diverge, their terms have any size, and each
+ * correction would be small beside it. *fell becomes true if a scale is less than before. Fails if a size is not
  * finite, beside which each correction would be nothing. */
 static tvi_status compute_scales(tvi_newton *newton, const tvi_equations *equations, bool is_first, bool *fell)
 {
@@ -73,7 +73,7 @@ static tvi_status compute_scales(tvi_newton *newton, const tvi_equations *equati
     equations->scale(equations->self, sizes);
     if (!tvi_all_finite(newton->size, sizes)) return TVI_ENONFINITE;
     for (int i = 0; i < newton->size; i++)
-        if (sizes[i] > 0 && sizes[i] < newton->scale[i]) {
+        if (sizes[i] > 0 && sizes[i] < NEWTON_SAME_SCALE * newton->scale[i]) {
             newton->scale[i] = sizes[i];
             *fell = true;
         }
@@ -307,7 +307,7 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
             return TVI_OK;
         }
         for (int i = 0; i < newton->size; i++) newton->x[i] += newton->correction[i];
-        needs_scales = sizes.unknown > NEWTON_SAME_SCALE_MAX_CORRECTION;
+        needs_scales = sizes.unknown > NEWTON_SAME_SCALE;
         is_stuck = verdict == TVI_PASSES_STUCK;
         if (is_stuck && refreshes == NEWTON_MAX_REFRESHES) return TVI_ENOCONV;
     }
