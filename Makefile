@@ -93,8 +93,8 @@ FLAGS_avx2   := -mavx2 -mfma -ffp-contract=fast
 FLAGS_avx512 := $(FLAGS_avx2) -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512
 ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c ad/sum*.c)
 # steppers, whose tables alone are made once: their names in all sets but the base have the suffix of the set
-SET_SOURCES  := $(filter-out src/galerkin/tables.c,$(wildcard src/galerkin/*.c)) \
-                $(addprefix src/generating/,products.c rescale.c seeds.c)
+TABLES       := src/galerkin/tables.c src/generating/methods.c src/generating/action.c
+SET_SOURCES  := $(filter-out $(TABLES),$(wildcard src/galerkin/*.c src/generating/*.c))
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) $(BUILD)/ad/embedded_rules.o \
                 $(ISAS:%=$(BUILD)/ad/sweeps_%.o)
 EMBEDDED_SRC := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin)
@@ -193,7 +193,7 @@ SLEEF_FILE = $(notdir $(shell readlink $$($(CC) -print-file-name=libsleef.so)))
 $(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_SLEEF='$(if $(HAS_SLEEF),"-DJET_SLEEF"$(comma) "$(or $(SLEEF_FILE:%=-l:%),-lsleef)"$(comma))'
 $(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_FLAGS='$(call quoted,-ffp-contract=off) $(foreach isa,$(ISAS),$(call quoted,$(FLAGS_$(isa))))'
 
-$(addprefix $(BUILD)/,ad/isa.o $(addprefix src/,compiled/load.o generating/methods.o generating/action.o)): \
+$(addprefix $(BUILD)/,ad/isa.o $(addprefix src/,compiled/load.o method/method.o)): \
     BASE += $(if $(ISAS),-DJET_ISA_X86)
 
 define isa_objects

@@ -46,7 +46,7 @@ unknown=$(nm -A "$static" 2>/dev/null | sed 's/.*:\([a-z_0-9]*\.o\):[0-9a-f]*/\1
 rm -f "$words"
 [ -z "$unknown" ] || complain "functions that no source names: $unknown"
 # tables have the same bits with every instruction set
-twice=$(nm "$static" 2>/dev/null | awk '$3 ~ /^(tvi_galerkin_compute_tables|tvi_quadrature_compute_nodes)_avx/ { print $3 }')
+twice=$(nm "$static" 2>/dev/null | awk '$3 ~ /^(tvi_galerkin_compute_tables|tvi_quadrature_compute_nodes|tvi_action_set_tables)_avx/ { print $3 }')
 [ -z "$twice" ] || complain "tables are compiled for each instruction set: $twice"
 
 echo "$exported" | wc -l | awk '{ print $1, "exported symbols" }'

@@ -1,7 +1,6 @@
 /* action.c - allocates a discrete action, and computes its tables: the powers of the quadrature's nodes and their
- * derivatives, which depend only on the quadrature and on the ends of the step in scaled time. It calls the code for
- * the seeds that is compiled for the processor (seeds.c). For passes that no longer converge, it estimates the roundoff
- * of the ends of a step from that of the field at the nodes (docs/method.md section 5). */
+ * derivatives, which depend only on the quadrature and on the ends of the step in scaled time (docs/method.md section
+ * 4). */
 #include "generating/action.h"
 #include "algebra/quadrature.h"
 #include "algebra/sizes.h"
@@ -159,64 +158,4 @@ void tvi_action_set_tables(tvi_action *action, const tvi_options *options, tvi_s
         for (int j = 0; j <= action->p_degree; j++)
             action->by_parts[k * action->order_count + j] =
                 j + k == 0 ? 0 : (j + k) * quadrature_error(order, points, s, weight, j + k - 1, span);
-}
-
-/* ---- The seeds --------------------------------------------------------------------------------------------------- */
-
-static const tvi_curve_code *const code_of_isa[JET_ISA_COUNT] = {
-    [jet_isa_base] = &tvi_curve_loops,
-#ifdef JET_ISA_X86
-    [jet_isa_avx2] = &tvi_curve_loops_avx2,
-    [jet_isa_avx512] = &tvi_curve_loops_avx512,
-#endif
-};
-
-const tvi_curve_code *tvi_curve_code_for(const jet_tape *tape) { return code_of_isa[tape->sweeps->isa]; }
-
-/* Truncated nodes of Hamilton's action are computed without fused multiply-adds on every processor, as they always
- * were; so are those of tvi_action_lagrangian. */
-tvi_status tvi_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
-{
-    const bool is_bent = action->is_hamilton && action->is_truncated;
-    const tvi_curve_code *code = is_bent ? &tvi_curve_loops : tvi_curve_code_for(action->tape);
-    const int seeds = (curve->highest_order + 1) * curve->n;
-    const tvi_status status = code->seeds(action, curve, seed_Q, seed_U);
-    if (status != TVI_OK) return status;
-    const bool has_U = curve->system->form != TVI_SEPARABLE;
-    return tvi_all_finite(seeds, seed_Q) && (!has_U || tvi_all_finite(seeds, seed_U)) ? TVI_OK : TVI_ENONFINITE;
-}
-
-/* ---- Roundoff ---------------------------------------------------------------------------------------------------- */
-
-double tvi_action_dp_roundoff(tvi_action *action, tvi_curve *curve)
-{
-    const int n = curve->n, nodes = action->nodes;
-    tvi_roundoff_estimator *roundoff = &action->roundoff;
-    if (tvi_curve_factor_L_vv(curve) != TVI_OK) return 0;
-    (void)tvi_roundoff_estimate_field(roundoff, curve->system, action->slots, nodes, nodes);
-    for (int i = 0; i < n; i++) {
-        const double of_v = DBL_EPSILON * tvi_largest_magnitude(nodes, action->by_v + i * nodes, 1);
-        action->dp[i] = tvi_roundoff_sign_randomly(roundoff, roundoff->output_roundoff[n + i] + of_v);
-    }
-    tvi_factor_solve(&curve->L_vv, action->dp);
-    return ROUNDOFF_MAX_UNITS * tvi_largest_magnitude(n, action->dp, 1);
-}
-
-int tvi_action_end_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[], const double p[],
-                            double q_roundoff[], double p_roundoff[])
-{
-    const tvi_system *system = curve->system;
-    const double *d = action->roundoff.output_roundoff;
-    const int n = curve->n, nodes = action->nodes;
-    memset(q_roundoff, 0, (size_t)n * sizeof *q_roundoff);
-    memset(p_roundoff, 0, (size_t)n * sizeof *p_roundoff);
-    if (!tvi_roundoff_may_exceed_motion(system, h, q, p, action->slots, action->p, nodes, nodes)) return 0;
-    const int values = tvi_roundoff_estimate_field(&action->roundoff, system, action->slots, nodes, nodes);
-    for (int i = 0; i < n; i++) {
-        p_roundoff[i] = fabs(h) * d[i] + DBL_EPSILON * fabs(p[i]);
-        if (system->form == TVI_SEPARABLE) q_roundoff[i] = fabs(h) / system->mass[i] * (fabs(h) * d[i]);
-        else if (system->form == TVI_HAMILTONIAN) q_roundoff[i] = fabs(h) * d[n + i];
-        else p_roundoff[i] += d[n + i];
-    }
-    return values;
 }

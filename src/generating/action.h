@@ -2,7 +2,8 @@
  * compute in each pass (docs/method.md section 4): S_z = G+^T p+ - G-^T p- + D_z. Here p- and p+ are the curve's
  * momenta at the start and the end of the step, and G- and G+ are the Jacobians, by z, of its coordinates there. The
  * defect form D_z of the gradient is small: it is a sum over the quadrature nodes in which the residuals of the
- * equations of motion are factors, and these nearly vanish on the curve. It is computed as seeds (seeds.c). */
+ * equations of motion are factors, and these nearly vanish on the curve. It is computed as seeds (seeds.c). The tables
+ * (action.c) are compiled once, so that they have the same bits for all instruction sets. */
 #ifndef TVI_SRC_GENERATING_ACTION_H
 #define TVI_SRC_GENERATING_ACTION_H
 
@@ -54,6 +55,21 @@ typedef struct tvi_action {
     tvi_roundoff_estimator roundoff; /* of the field at the nodes */
 } tvi_action;
 
+/* The largest number of even orders or of odd orders of a curve, and of the nodes in a half, in whole vectors. */
+enum { HALF = (TVI_MAX_DEGREE + 2) / 2 + 4 };
+
+/* Evaluates the field at the nodes. */
+TVI_NODISCARD static inline tvi_status action_evaluate_field(const tvi_action *action)
+{
+    return jet_sweep_values(action->tape, action->slots, action->nodes) ? TVI_OK : TVI_EDOMAIN;
+}
+
+/* Returns output i of the tape in its block x at the nodes. */
+static inline const double *action_output(const tvi_action *action, const jet_tape *tape, const double *x, int i)
+{
+    return x + (size_t)tape->output_slot[i] * (size_t)action->nodes;
+}
+
 /* Returns an action without memory: its sizes and switches, for the method that the resolved options choose. */
 tvi_action tvi_action_shape(const tvi_system *system, const tvi_options *options);
 void tvi_action_allocate(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options);
@@ -63,6 +79,11 @@ void tvi_action_set_tables(tvi_action *action, const tvi_options *options, tvi_s
  * (dU_k/dz)^T seed_U[k]. Returns TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR, or TVI_ENOCONV if the momenta that belong
  * to a Hamiltonian's velocities were not found. */
 TVI_NODISCARD tvi_status tvi_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
+
+/* Of momenta.c: finds the momenta p_i that belong to the velocities in by_v, from those of the curve. They are left in
+ * the second input of the field, which is evaluated with them. Returns TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR or
+ * TVI_ENOCONV. */
+TVI_NODISCARD tvi_status tvi_action_find_momenta(tvi_action *action, tvi_curve *curve);
 
 /* Evaluates the Lagrangian at nodes that lie on no single curve, at the action's times. From positions q, velocities v
  * and momenta p, [n][nodes] each, it computes by_q = tau L_q and by_v = L_v - p. */
@@ -74,7 +95,5 @@ TVI_NODISCARD tvi_status tvi_action_lagrangian(tvi_action *action, tvi_curve *cu
  * Returns the number of force evaluations that it made. */
 int tvi_action_end_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[], const double p[],
                             double q_roundoff[], double p_roundoff[]);
-/* Estimates the roundoff of the corrections of the momenta at the nodes from that of the last H_p. */
-double tvi_action_dp_roundoff(tvi_action *action, tvi_curve *curve);
 
 #endif

@@ -28,7 +28,7 @@ typedef struct tvi_end_solver {
     bool (*jacobian)(const tvi_corrected_curve *c, double matrix[]);
     void (*correct)(tvi_corrected_curve *c, double correction[]);
 } tvi_end_solver;
-extern const tvi_end_solver tvi_solver_by_matrices;
+extern const tvi_end_solver tvi_solver_by_matrices, tvi_solver_by_products;
 
 struct tvi_corrected_curve {
     const tvi_curve_definition *definition; /* the generating function */

@@ -214,7 +214,13 @@ void tvi_curve_multiply_seeds(tvi_curve *curve, const double seed_Q[], const dou
 tvi_tapes_of_steps tvi_curve_list_tapes(const tvi_system *system, const tvi_options *options, int points,
                                         tvi_jacobians jacobians);
 
-/* ---- What is compiled for each instruction set ------------------------------------------------------------------- */
+/* ---- Another unit of time ---------------------------------------------------------------------------------------- */
+
+/* Rescales tau and the coefficients to the unit of time factor * tau. In the same sweep it computes the increments dq =
+ * q(1) - q(0) and du = u(1) - u(0), [n], and the sizes of tvi_curve_compute_sizes. */
+void tvi_curve_rescale(tvi_curve *curve, double factor, double dq[], double du[]);
+
+/* ---- Products with transposed Jacobians (products.c) ------------------------------------------------------------- */
 
 /* The operands of a product with transposed Jacobians, a sum: sum_k (dQ_k/dz)^T seed_Q[k], and factor times the
  * transposed Jacobians of the sums `upper` and `lower` times x and y [n]. Seeds and sums that are NULL are omitted. */
@@ -225,23 +231,8 @@ typedef struct {
     const double *x, *y;
 } tvi_transposed_product;
 
-struct tvi_action;
-typedef struct {
-    /* Of seeds.c: tvi_action_seeds (action.h). */
-    tvi_status (*seeds)(struct tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
-    /* Of rescale.c: rescales tau and the coefficients to the unit of time factor * tau. In the same sweep it computes
-     * the increments dq = q(1) - q(0) and du = u(1) - u(0), [n], and the sizes of tvi_curve_compute_sizes. */
-    void (*rescale)(tvi_curve *curve, double factor, double dq[], double du[]);
-    const struct tvi_end_solver *solver_by_products;
-} tvi_curve_code;
-/* What the files of a set define. */
-void tvi_curve_rescale(tvi_curve *curve, double factor, double dq[], double du[]);
-/* Of products.c: computes the product out[2n] of a separable system by an adjoint sweep, from the orders of the curve
- * up to last_order, 1 <= last_order <= highest_order; the cost grows as its square. */
+/* Computes the product out[2n] of a separable system by an adjoint sweep, from the orders of the curve up to
+ * last_order, 1 <= last_order <= highest_order; the cost grows as its square. */
 void tvi_multiply_transposed(tvi_curve *curve, int last_order, const tvi_transposed_product *of, double out[]);
-extern const struct tvi_end_solver tvi_solver_by_products;
-extern const tvi_curve_code tvi_curve_loops, tvi_curve_loops_avx2, tvi_curve_loops_avx512;
-/* Returns what is compiled for the instruction set of the tape's sweeps. */
-const tvi_curve_code *tvi_curve_code_for(const jet_tape *tape);
 
 #endif

@@ -144,17 +144,6 @@ const tvi_descriptor tvi_taylor = {
     .curve = {.step_span = {0, 1, 1}},
 };
 
-/* The sources of the stepper are compiled once for each instruction set, and the Makefile gives the names of all but
- * the base a suffix. Five to eight nodes fill a vector of AVX-512; other numbers fill those of AVX2. */
-#ifdef JET_ISA_X86
-extern const tvi_stepper tvi_stepper_galerkin_avx2, tvi_stepper_galerkin_avx512;
-static const tvi_stepper *galerkin_of_isa(jet_isa isa, int nodes)
-{
-    if (isa == jet_isa_avx512 && nodes > 4 && nodes <= 8) return &tvi_stepper_galerkin_avx512;
-    return isa == jet_isa_base ? &tvi_stepper_galerkin : &tvi_stepper_galerkin_avx2;
-}
-#endif
-
 /* The Galerkin curve (src/galerkin): type I of a curve whose values at the Gauss nodes are unknowns. */
 const tvi_descriptor tvi_galerkin = {
     .method = TVI_TYPE1,
@@ -167,7 +156,5 @@ const tvi_descriptor tvi_galerkin = {
     .adjoint = &tvi_galerkin,
     .quadrature = TVI_GAUSS_OF_DEGREE,
     .stepper = &tvi_stepper_galerkin,
-#ifdef JET_ISA_X86
-    .stepper_of_isa = galerkin_of_isa,
-#endif
+    .avx512_degrees = {5, 8}, /* these numbers of nodes fill a vector of eight */
 };

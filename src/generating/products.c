@@ -1,9 +1,8 @@
 /* products.c - solves the equations A^T x = D_z for the corrections of the curve's ends without forming Jacobians, for
  * separable systems of many coordinates. One adjoint sweep computes a product with a transposed Jacobian, and
- * generalised conjugate residuals solve the equations (docs/method.md sections 2 and 5). It is compiled once for each
- * instruction set; step.c calls it as solver_by_products of tvi_curve_code. The letters: x is the solution, r =
- * D_z - A^T x, s a direction, v = A^T s its image, P the preconditioner, and (x, y) = sum_i x_i y_i / size_i^2 over the
- * rows that are solved, with size_i that of the unknowns. */
+ * generalised conjugate residuals solve the equations (docs/method.md sections 2 and 5). step.c chooses this solver.
+ * The letters: x is the solution, r = D_z - A^T x, s a direction, v = A^T s its image, P the preconditioner, and (x, y)
+ * = sum_i x_i y_i / size_i^2 over the rows that are solved, with size_i that of the unknowns. */
 #include "algebra/passes.h"
 #include "generating/corrected.h"
 #include "generating/newton.h"

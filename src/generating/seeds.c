@@ -1,6 +1,6 @@
 /* seeds.c - computes the gradient D_z of the discrete action of a Taylor curve by z, the state at the curve's centre,
  * in the form of seeds: vectors seed_Q[k] and seed_U[k] with D_z = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k].
- * It is compiled once for each instruction set; action.c calls it (docs/method.md section 4).
+ * Steppers call it in each pass (docs/method.md section 4).
  *
  * D_z is a sum over the nodes of a quadrature. Its formulas use these letters:
  *     g, p              the position and the momentum of the curve, functions of s; P_j is the coefficient of s^j in p
@@ -25,24 +25,12 @@
  * the error of the quadrature in this integral. With it, every quadrature may be used with every degree. For a
  * separable system L_v - p is 0. There g. - tau H_p is 0, too, if the degree of p is that of g less 1. */
 #include "generating/action.h"
-#include "algebra/passes.h"
+#include "algebra/sizes.h"
 #include "sums.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
-
-/* [iterations] Newton's method for the momenta of the nodes, H_p = v, fails after this many (suite statements of
- * build/check/generating). */
-#define MOMENTA_MAX_ITERATIONS 50 /* found: make check-generating */
-/* [1] Corrections of the momenta of the nodes that no longer shrink are roundoff if they are this part of the largest
- * momentum. */
-#define MOMENTA_STALLED_CORRECTION 1e-13 /* found: make check-generating */
-/* [1] H_pp is reused as long as each correction is less than this part of the one before. */
-#define MOMENTA_REUSE_MAX_RATIO 1e-3 /* found: make check-generating */
-
-/* The largest number of even orders or of odd orders of a curve, and of the nodes in a half, in whole vectors. */
-enum { HALF = (TVI_MAX_DEGREE + 2) / 2 + 4 };
 
 /* ---- The curve at the nodes -------------------------------------------------------------------------------------- */
 
@@ -117,22 +105,11 @@ static void evaluate_curve(const tvi_action *action, const tvi_curve *curve)
 
 /* ---- The field at the nodes -------------------------------------------------------------------------------------- */
 
-/* Output i of the tape in its block x at the nodes. */
-static const double *output_row(const tvi_action *action, const jet_tape *tape, const double *x, int i)
-{
-    return x + (size_t)tape->output_slot[i] * (size_t)action->nodes;
-}
-
-static tvi_status evaluate_field(const tvi_action *action)
-{
-    return jet_sweep_values(action->tape, action->slots, action->nodes) ? TVI_OK : TVI_EDOMAIN;
-}
-
 /* Sets out [n][nodes] to n outputs of the field, from number `first` on, times `factor`. */
 static void copy_outputs(const tvi_action *action, int n, int first, double factor, double *restrict out)
 {
     for (int i = 0; i < n; i++, out += action->nodes) {
-        const double *row = output_row(action, action->tape, action->slots, first + i);
+        const double *row = action_output(action, action->tape, action->slots, first + i);
         JET_IN_VECTORS
         for (int node = 0; node < action->nodes; node++) out[node] = factor * row[node];
     }
@@ -141,99 +118,6 @@ static void copy_outputs(const tvi_action *action, int n, int first, double fact
 static void subtract(int count, const double *other, double *restrict out)
 {
     for (int i = 0; i < count; i++) out[i] -= other[i];
-}
-
-/* ---- Momenta that belong to velocities: H_p(q_i, p_i) = v_i by Newton's method ----------------------------------- */
-
-/* All nodes are solved at once, as lanes of the sweeps. By the Legendre transform of one node after the other
- * (system/legendre.h) a step of type I takes 1.3 to 1.6 times as many instructions. */
-
-/* Replaces H_pp by H_pp^-1 at all nodes. */
-static tvi_status invert_H_pp(const tvi_action *action, tvi_curve *curve)
-{
-    const int n = curve->n, nodes = action->nodes;
-    double *H_pp = action->H_pp, *column = curve->column;
-    for (int j = 0; j < n; j++) {
-        double *direction = action->tangents + (n + j) * nodes;
-        for (int node = 0; node < nodes; node++) direction[node] = 1;
-        jet_sweep_one_tangent_per_lane(action->tape, action->slots, action->tangents, 0, nodes);
-        for (int i = 0; i < n; i++)
-            memcpy(H_pp + (i * n + j) * nodes, output_row(action, action->tape, action->tangents, n + i),
-                   (size_t)nodes * sizeof *H_pp);
-        for (int node = 0; node < nodes; node++) direction[node] = 0;
-    }
-    for (int node = 0; node < nodes; node++) {
-        for (int i = 0; i < n * n; i++) curve->L_vv.lu[i] = H_pp[i * nodes + node];
-        const tvi_status status = tvi_factor_compute(&curve->L_vv);
-        if (status != TVI_OK) return status;
-        for (int j = 0; j < n; j++) {
-            for (int i = 0; i < n; i++) column[i] = i == j;
-            tvi_factor_solve(&curve->L_vv, column);
-            for (int i = 0; i < n; i++) H_pp[(i * n + j) * nodes + node] = column[i];
-        }
-    }
-    return TVI_OK;
-}
-
-/* Computes the corrections dp = H_pp^-1 (v - H_p), and returns the largest. The velocities are in by_v. */
-static double compute_dp(const tvi_action *action, int n)
-{
-    const int nodes = action->nodes;
-    double *dp = action->dp, rest[2 * HALF];
-    memset(dp, 0, (size_t)(n * nodes) * sizeof *dp);
-    for (int j = 0; j < n; j++) {
-        const double *H_p = output_row(action, action->tape, action->slots, n + j), *v = action->by_v + j * nodes;
-        JET_IN_VECTORS
-        for (int node = 0; node < nodes; node++) rest[node] = v[node] - H_p[node];
-        for (int i = 0; i < n; i++) JET_IN_VECTORS
-        for (int node = 0; node < nodes; node++)
-            dp[i * nodes + node] += action->H_pp[(i * n + j) * nodes + node] * rest[node];
-    }
-    return tvi_largest_magnitude(n * nodes, dp, 1);
-}
-
-/* Returns whether the last correction of each momentum is below a unit of roundoff of that momentum. */
-static bool is_dp_roundoff(const tvi_action *action, int n, const double p[])
-{
-    const int nodes = action->nodes;
-    for (int i = 0; i < n; i++)
-        if (tvi_largest_magnitude(nodes, action->dp + i * nodes, 1) >
-            DBL_EPSILON * tvi_largest_magnitude(nodes, p + i * nodes, 1))
-            return false;
-    return true;
-}
-
-/* Finds the momenta p_i, from those of the curve. They are left in the second input of the field, which is evaluated
- * with them. */
-static tvi_status solve_for_momenta(tvi_action *action, tvi_curve *curve)
-{
-    const int count = curve->n * action->nodes;
-    double *p = action->slots + count;
-    tvi_convergence_test passes;
-    tvi_convergence_begin(&passes, 0);
-    memcpy(p, action->p, (size_t)count * sizeof *p);
-    const double size = tvi_largest_magnitude(count, p, 1);
-    const tvi_stopping_rule rule = {.correction_goal = DBL_EPSILON * size,
-                                    .max_trusted_ratio = PASSES_MAX_CONTRACTION,
-                                    .stall_ratio = TVI_STALL_WITHOUT_DECREASE,
-                                    .stall_comparison_lag = 1};
-    for (int step = 0; step < MOMENTA_MAX_ITERATIONS; step++) {
-        tvi_status status = evaluate_field(action);
-        if (status == TVI_OK && (step == 0 || !(passes.size <= MOMENTA_REUSE_MAX_RATIO * passes.previous_size)))
-            status = invert_H_pp(action, curve);
-        if (status != TVI_OK) return status;
-        const double largest = compute_dp(action, curve->n);
-        if (!isfinite(largest)) return TVI_ENONFINITE;
-        if (step > 0 && is_dp_roundoff(action, curve->n, p)) return TVI_OK;
-        const tvi_passes_verdict verdict = tvi_convergence_add_pass(&passes, &rule, largest);
-        for (int i = 0; i < count; i++) p[i] += action->dp[i];
-        if (verdict == TVI_PASSES_MAY_END ||
-            (verdict == TVI_PASSES_STUCK &&
-             (largest <= MOMENTA_STALLED_CORRECTION * size ||
-              tvi_convergence_set_roundoff(&passes, tvi_action_dp_roundoff(action, curve)))))
-            return evaluate_field(action);
-    }
-    return TVI_ENOCONV;
 }
 
 /* ---- What multiplies dq_i, dv_i and dp_i ------------------------------------------------------------------------- */
@@ -248,19 +132,19 @@ static tvi_status compute_lagrange(tvi_action *action, tvi_curve *curve, bool ha
     tvi_status status = TVI_OK;
     switch (curve->system->form) {
     case TVI_SEPARABLE:
-        status = evaluate_field(action);
+        status = action_evaluate_field(action);
         copy_outputs(action, n, 0, tau, action->by_q);
         if (!has_by_v) return status;
         for (int i = 0; i < count; i++) action->by_v[i] *= curve->system->mass[i / action->nodes];
         break;
     case TVI_LAGRANGIAN:
         memcpy(second, action->by_v, (size_t)count * sizeof *second);
-        status = evaluate_field(action);
+        status = action_evaluate_field(action);
         copy_outputs(action, n, 0, tau, action->by_q);
         copy_outputs(action, n, n, 1, action->by_v);
         break;
     case TVI_HAMILTONIAN:
-        status = solve_for_momenta(action, curve);
+        status = tvi_action_find_momenta(action, curve);
         copy_outputs(action, n, 0, -tau, action->by_q);
         memcpy(action->by_v, second, (size_t)count * sizeof *second);
         break;
@@ -276,14 +160,15 @@ static tvi_status compute_hamilton(tvi_action *action, const tvi_curve *curve)
     const int n = curve->n, nodes = action->nodes;
     const double tau = curve->tau;
     if (!separable) memcpy(action->slots + n * nodes, action->p, (size_t)(n * nodes) * sizeof(double));
-    const tvi_status status = evaluate_field(action);
+    const tvi_status status = action_evaluate_field(action);
     if (status != TVI_OK) return status;
     copy_outputs(action, n, 0, separable ? tau : -tau, action->by_q);
     if (!action->has_by_p) return status;
     set_velocities(action, curve, action->by_p);
     for (int i = 0; i < n; i++) {
         const double mass = separable ? curve->system->mass[i] : 1,
-                     *H_p = separable ? action->p + i * nodes : output_row(action, action->tape, action->slots, n + i);
+                     *H_p =
+                         separable ? action->p + i * nodes : action_output(action, action->tape, action->slots, n + i);
         double *restrict by_p = action->by_p + i * nodes;
         for (int node = 0; node < nodes; node++) by_p[node] = tau * (by_p[node] - H_p[node] / mass);
     }
@@ -300,7 +185,7 @@ static tvi_status compute_truncated_hamilton(tvi_action *action, const tvi_curve
     const size_t panel = (size_t)(n * nodes) * sizeof(double);
     const double tau = curve->tau;
     if (!separable) memcpy(action->slots + n * nodes, action->p, panel);
-    const tvi_status status = evaluate_field(action);
+    const tvi_status status = action_evaluate_field(action);
     if (status != TVI_OK) return status;
     copy_outputs(action, n, 0, separable ? tau : -tau, action->by_q);
     if (!separable) {
@@ -313,8 +198,8 @@ static tvi_status compute_truncated_hamilton(tvi_action *action, const tvi_curve
             const int at = i * nodes + node;
             if (separable) action->by_p[at] = tau * action->p[at] / system->mass[i];
             else {
-                action->by_q[at] += tau * output_row(action, products, action->Hp_slots, i)[node];
-                action->by_p[at] = tau * output_row(action, products, action->Hp_slots, n + i)[node];
+                action->by_q[at] += tau * action_output(action, products, action->Hp_slots, i)[node];
+                action->by_p[at] = tau * action_output(action, products, action->Hp_slots, n + i)[node];
             }
             action->by_v[at] = -action->p[at];
         }
@@ -392,7 +277,7 @@ static void add_by_parts_seeds(const tvi_action *action, int n, double seed[])
         }
 }
 
-static tvi_status compute_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
+tvi_status tvi_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     const bool is_bent = action->is_hamilton && action->is_truncated;
     const int n = curve->n, seeds = action->order_count * n;
@@ -408,7 +293,8 @@ static tvi_status compute_seeds(tvi_action *action, tvi_curve *curve, double see
     if (is_bent || action->has_by_v) add_by_v_seeds(action, n, seed_Q);
     if (is_bent || action->has_by_p) add_by_p_seeds(action, curve, seed_Q, seed_U);
     if (action->by_parts) add_by_parts_seeds(action, n, seed_Q);
-    return TVI_OK;
+    const bool has_U = curve->system->form != TVI_SEPARABLE;
+    return tvi_all_finite(seeds, seed_Q) && (!has_U || tvi_all_finite(seeds, seed_U)) ? TVI_OK : TVI_ENONFINITE;
 }
 
 tvi_status tvi_action_lagrangian(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
@@ -422,4 +308,23 @@ tvi_status tvi_action_lagrangian(tvi_action *action, tvi_curve *curve, const dou
     return compute_lagrange(action, curve, true);
 }
 
-const tvi_curve_code tvi_curve_loops = {compute_seeds, tvi_curve_rescale, &tvi_solver_by_products};
+/* ---- Roundoff ---------------------------------------------------------------------------------------------------- */
+
+int tvi_action_end_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[], const double p[],
+                            double q_roundoff[], double p_roundoff[])
+{
+    const tvi_system *system = curve->system;
+    const double *d = action->roundoff.output_roundoff;
+    const int n = curve->n, nodes = action->nodes;
+    memset(q_roundoff, 0, (size_t)n * sizeof *q_roundoff);
+    memset(p_roundoff, 0, (size_t)n * sizeof *p_roundoff);
+    if (!tvi_roundoff_may_exceed_motion(system, h, q, p, action->slots, action->p, nodes, nodes)) return 0;
+    const int values = tvi_roundoff_estimate_field(&action->roundoff, system, action->slots, nodes, nodes);
+    for (int i = 0; i < n; i++) {
+        p_roundoff[i] = fabs(h) * d[i] + DBL_EPSILON * fabs(p[i]);
+        if (system->form == TVI_SEPARABLE) q_roundoff[i] = fabs(h) / system->mass[i] * (fabs(h) * d[i]);
+        else if (system->form == TVI_HAMILTONIAN) q_roundoff[i] = fabs(h) * d[n + i];
+        else p_roundoff[i] += d[n + i];
+    }
+    return values;
+}

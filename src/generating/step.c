@@ -172,7 +172,7 @@ static void compute_increments(const work *w, const tvi_curve_sum *q_sum, const 
 void tvi_step_taylor_increments(work *w, double h, const tvi_increments *increments)
 {
     tvi_curve *curve = &w->c.curve;
-    tvi_curve_code_for(curve->system->field_series)->rescale(curve, h / curve->tau, increments->dq, increments->dp);
+    tvi_curve_rescale(curve, h / curve->tau, increments->dq, increments->dp);
     for (int i = 0; i < curve->n; i++) increments->dp[i] /= curve->kappa[i];
 }
 
@@ -262,8 +262,7 @@ static void *allocate(tvi_arena *arena, const tvi_system *system, const tvi_opti
                                               &c->increment_correction_q, &c->increment_correction_p, NULL});
         tvi_arena_allocate_each(arena, (size_t)shape.order_count * n, (double **[]){&c->seed_Q, &c->seed_U, NULL});
         c->D_z = tvi_arena_allocate_doubles(arena, 2 * n);
-        c->solver = jacobians == TVI_JACOBIAN_PRODUCTS ? tvi_curve_code_for(system->field_series)->solver_by_products
-                                                       : &tvi_solver_by_matrices;
+        c->solver = jacobians == TVI_JACOBIAN_PRODUCTS ? &tvi_solver_by_products : &tvi_solver_by_matrices;
         c->solver->allocate(c, arena);
         tvi_action_allocate(&w.action, arena, system, options);
         tvi_newton_allocate(&w.newton, arena, 2, system, c->solver->jacobian != NULL);

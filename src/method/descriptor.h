@@ -123,9 +123,12 @@ struct tvi_descriptor {
     /* The equations of the method need momenta that are conjugate to the coordinates. The tangent map is therefore
      * computed by the lift with conjugate momenta (TVI_LIFT_PAIRED; docs/method.md, section 10). */
     bool needs_conjugate_momenta;
-    const tvi_stepper *stepper;
-    /* Returns the stepper of this degree for the instruction set of the system's tapes; NULL: `stepper` serves all. */
-    const tvi_stepper *(*stepper_of_isa)(jet_isa isa, int degree);
+    const tvi_stepper *stepper; /* for the base instruction set */
+    /* The degrees for which the stepper is compiled for AVX-512, where a processor has it; for others AVX2 is taken.
+     * Not given: all. */
+    struct {
+        int least, most;
+    } avx512_degrees;
     const tvi_stepper *predictor; /* The stepper for TVI_PREDICT_ONLY; NULL: `stepper` itself. */
     tvi_curve_definition curve;   /* The curve, if the method expands Taylor curves. */
 };

@@ -215,13 +215,42 @@ tvi_status tvi_options_resolve(tvi_options *options, const tvi_system *system, c
                       requested.order, requested.degree);
 }
 
+/* ---- Steppers ---------------------------------------------------------------------------------------------------- */
+
+/* The folders galerkin and generating are compiled once for each instruction set; the Makefile gives the names of all
+ * sets but the base a suffix. The sweeps of the system's tapes, which ad/isa.c chooses, tell the set. */
+#ifdef JET_ISA_X86
+extern const tvi_stepper tvi_stepper_curve_avx2, tvi_stepper_both_ends_avx2, tvi_stepper_taylor_avx2,
+    tvi_stepper_galerkin_avx2, tvi_stepper_curve_avx512, tvi_stepper_both_ends_avx512, tvi_stepper_taylor_avx512,
+    tvi_stepper_galerkin_avx512;
+static const tvi_stepper *const steppers[][JET_ISA_COUNT] = {
+    {&tvi_stepper_curve, &tvi_stepper_curve_avx2, &tvi_stepper_curve_avx512},
+    {&tvi_stepper_both_ends, &tvi_stepper_both_ends_avx2, &tvi_stepper_both_ends_avx512},
+    {&tvi_stepper_taylor, &tvi_stepper_taylor_avx2, &tvi_stepper_taylor_avx512},
+    {&tvi_stepper_galerkin, &tvi_stepper_galerkin_avx2, &tvi_stepper_galerkin_avx512},
+};
+#else
+static const tvi_stepper *const steppers[][JET_ISA_COUNT] = {{NULL}};
+#endif
+
+/* Returns the stepper for this set. A stepper that is compiled once serves all sets. */
+static const tvi_stepper *stepper_of_set(const tvi_stepper *base, jet_isa isa)
+{
+    for (size_t i = 0; i < sizeof steppers / sizeof *steppers; i++)
+        if (steppers[i][jet_isa_base] == base) return steppers[i][isa];
+    return base;
+}
+
 const tvi_stepper *tvi_choose_stepper(const tvi_options *options, const tvi_system *system)
 {
     const tvi_descriptor *descriptor = tvi_find_method(options);
+    jet_isa isa = system->field_values->sweeps->isa;
     if (options->compose_adjoint) return &tvi_stepper_composed;
-    if (options->passes == TVI_PREDICT_ONLY && descriptor->predictor) return descriptor->predictor;
-    return descriptor->stepper_of_isa ? descriptor->stepper_of_isa(system->field_values->sweeps->isa, options->degree)
-                                      : descriptor->stepper;
+    if (options->passes == TVI_PREDICT_ONLY && descriptor->predictor) return stepper_of_set(descriptor->predictor, isa);
+    const int least = descriptor->avx512_degrees.least, most = descriptor->avx512_degrees.most;
+    const bool fits_avx512 = most == 0 || (least <= options->degree && options->degree <= most);
+    if (isa == jet_isa_avx512 && !fits_avx512) isa = jet_isa_avx2;
+    return stepper_of_set(descriptor->stepper, isa);
 }
 
 tvi_options tvi_adjoint_options(const tvi_options *options)
