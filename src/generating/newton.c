@@ -226,10 +226,11 @@ static void solve_with_jacobian(const tvi_newton *newton, const tvi_equations *e
 }
 
 /* Returns whether the last correction, which did not shrink, is as small as the corrections that the residual's
- * roundoff causes. To each scale is added a multiple of the change of the unknown by that roundoff, so that
- * NEWTON_STALLED_CORRECTION times the sum is at least ROUNDOFF_MAX_UNITS times the change. The linear equations are
- * solved for the roundoff of each group of the residual separately, and the magnitudes of the solutions are added, so
- * that the groups cannot cancel each other. */
+ * roundoff causes, and that of the unknowns themselves, which may be much larger than they were at the prediction. To
+ * each scale is added a multiple of the change of the unknown by that roundoff, so that NEWTON_STALLED_CORRECTION times
+ * the sum is at least ROUNDOFF_MAX_UNITS times the change. The linear equations are solved for the roundoff of each
+ * group of the residual separately, and the magnitudes of the solutions are added, so that the groups cannot cancel
+ * each other. */
 static bool is_correction_roundoff(tvi_newton *newton, const tvi_equations *equations, newton_progress *record)
 {
     const size_t bytes = (size_t)newton->size * sizeof(double);
@@ -244,6 +245,8 @@ static bool is_correction_roundoff(tvi_newton *newton, const tvi_equations *equa
             if (isfinite(change[i]))
                 newton->roundoff_scale[i] += ROUNDOFF_MAX_UNITS / NEWTON_STALLED_CORRECTION * fabs(change[i]);
     }
+    for (int i = 0; i < newton->size; i++)
+        newton->roundoff_scale[i] += ROUNDOFF_MAX_UNITS / NEWTON_STALLED_CORRECTION * DBL_EPSILON * fabs(newton->x[i]);
     if (measure_corrections(newton, newton->roundoff_scale).group > NEWTON_STALLED_CORRECTION) return false;
     record->growth = 1; /* the corrections are roundoff, and show no contraction */
     return true;
