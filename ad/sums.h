@@ -41,8 +41,9 @@ void jet_add_product_adjoints(const jet_tape *tape, const jet_run_of_operations 
         JET_AT(V, out, 0) = sum;                                                                                       \
     }
 
-/* Computes out[w] = sum_j coefficient_j table[j][w] as jet_sweeps.combine does (tape.h), for rows of the table that
- * are `stride` numbers apart. */
+/* Computes out[w] = sum_{j < term_count} c_j table[j][w] for w < width, with c_j = coefficient[j * coefficient_stride]
+ * and rows of the table that are `stride` numbers apart. For a series in powers, the terms of the highest powers are
+ * the smallest; they come last in the table, and are added first. */
 JET_INLINE void jet_combine_strided_rows(int term_count, const double *coefficient, size_t coefficient_stride,
                                          int width, size_t stride, const double *table, double *out)
 {

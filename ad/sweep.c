@@ -101,5 +101,4 @@ const jet_sweeps jet_interpreter = {.isa = JET_ISA,
                                     .series = sweep_series,
                                     .tangents = sweep_tangents,
                                     .one_tangent_per_lane = sweep_one_tangent_per_lane,
-                                    .adjoints = sweep_adjoints,
-                                    .combine = jet_combine_rows};
+                                    .adjoints = sweep_adjoints};

@@ -119,9 +119,6 @@ struct jet_sweeps {
     void (*tangents)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
     void (*one_tangent_per_lane)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
     void (*adjoints)(const jet_tape *tape, const double *x, double *bar, int k, int top);
-    /* Computes out[w] = sum_{j < count} c_j table[j][w] for w < width, with c_j = c[j * stride]. For a series in
-     * powers, the terms of the highest powers are the smallest; they come last in the table, and are added first. */
-    void (*combine)(int count, const double *c, size_t stride, int width, const double *table, double *out);
 };
 
 /* ---- Functions that run the sweeps. Generated code, which has no interpreter, has none of them. ------------------ */

@@ -106,12 +106,12 @@ TVI_NODISCARD tvi_status tvi_integrate_to(tvi_integrator *integrator, double h, 
  * run over tens of revolutions at most 100 times the tolerance (docs/adaptive.md). Below 1e-13 steps are refined in
  * long double, which takes 1.4 to 2 times as long; for a Lagrangian that is not separable the error is that of
  * roundoff. The size is chosen before the step is summed: a step costs one expansion. It is at most 0.7 of the radius
- * of convergence that the last coefficients show by themselves, and at most four times the size of the step before. If
- * the coefficients allow more than 1.5 times that, and before a first step, a separable system's force is evaluated at
- * the end of the step, and the step is halved until it is right there. In this way bodies from afar feel what they
- * meet, unless the force is 0 in doubles both at the start and at the end of a step, as a narrow wall's far away: then
- * tvi_run_plan.largest_step limits how far a step may reach. The observer is called after each step, and may ask
- * tvi_dense.
+ * of convergence that the last coefficients show by themselves. Then the step is checked, and halved until it is right:
+ * at each quarter of it the field differs from the derivative of the curve by at most the tolerance (times the largest
+ * q or p), and so does the energy at its end, if it is conserved (Enright, Applied Mathematics and Computation 31
+ * (1989)). In this way bodies feel what they meet within a step. A bump of a force that lies between the quarters and
+ * leaves the energy as it was is not seen, nor a pulse in time there: tvi_run_plan.largest_step limits how far a step
+ * may reach. The observer is called after each step, and may ask tvi_dense.
  *   TVI_EINVAL       NULL, a tolerance below DBL_EPSILON or not below 1, t_end that is not finite
  *   TVI_EUNSUPPORTED another method, a rescaled system
  *   TVI_ENOCONV      also a step below roundoff of t, as before a collision

@@ -248,9 +248,9 @@ JET_INLINE double node_size_of(const galerkin_nodes *nodes, int u)
 JET_INLINE double node_least_size(double largest) { return largest > 0 ? GALERKIN_MIN_SHARE * largest + DBL_MIN : 1; }
 
 /* Sets inverse_size for the unknowns of one subsystem. To the size of each unknown it adds a small part of the largest
- * size in its subsystem (GALERKIN_MIN_SHARE). If masses are known, the size of a momentum is at least m_over_h times
- * the part that is added to its coordinate. There are no branches, because the processor could not predict which number
- * is larger. */
+ * size in its subsystem (GALERKIN_MIN_SHARE). If masses are known, no more is added to the size of a momentum than
+ * m_over_h times the part that is added to its coordinate. There are no branches, because the processor could not
+ * predict which number is larger. */
 JET_INLINE void set_sizes_of_subsystem(const galerkin_nodes *nodes, int first, int end)
 {
     const int n = nodes->n;

@@ -2,6 +2,7 @@
  * directions. It also computes the Jacobians of sums of coefficients, and multiplies Jacobians by vectors. Steppers and
  * solvers call it through curve.h. */
 #include "generating/curve.h"
+#include "sums.h"
 
 #include <string.h>
 
@@ -89,17 +90,16 @@ void tvi_curve_compute_jacobians(tvi_curve *curve)
 
 void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_curve_sum *sum, double matrix[])
 {
-    curve->system->field_series->sweeps->combine(curve->highest_order + 1, sum->weight, 1, 2 * curve->n * curve->n,
-                                                 sum->is_of_U ? curve->dU_dz : curve->dQ_dz, matrix);
+    jet_combine_rows(curve->highest_order + 1, sum->weight, 1, 2 * curve->n * curve->n,
+                     sum->is_of_U ? curve->dU_dz : curve->dQ_dz, matrix);
 }
 
 void tvi_curve_multiply_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
 {
-    const jet_sweeps *sweeps = curve->system->field_series->sweeps;
     const int n = curve->n, rows = (curve->highest_order + 1) * n;
-    sweeps->combine(rows, seed_Q, 1, 2 * n, curve->dQ_dz, out);
+    jet_combine_rows(rows, seed_Q, 1, 2 * n, curve->dQ_dz, out);
     if (curve->system->form == TVI_SEPARABLE || !seed_U) return;
-    sweeps->combine(rows, seed_U, 1, 2 * n, curve->dU_dz, curve->U_product);
+    jet_combine_rows(rows, seed_U, 1, 2 * n, curve->dU_dz, curve->U_product);
     for (int d = 0; d < 2 * n; d++) out[d] += curve->U_product[d];
 }
 

@@ -41,7 +41,7 @@ static void evaluate_series(const tvi_action *action, int degree, const double *
     const int half = action->half;
     double even[HALF], odd[HALF];
     if (half == 0) {
-        action->tape->sweeps->combine(degree + 1, c, stride, action->nodes, table->all, row);
+        jet_combine_rows(degree + 1, c, stride, action->nodes, table->all, row);
         return;
     }
     jet_combine_rows(degree / 2 + 1, c, 2 * stride, half, table->even, even);
@@ -214,7 +214,7 @@ static const double *sum_over_nodes(const tvi_action *action, const tvi_node_tab
     const int half = action->half, orders = action->order_count, width = TVI_WHOLE_VECTORS((orders + 1) / 2);
     double sum[HALF], difference[HALF], even[HALF], odd[HALF];
     if (half == 0) {
-        action->tape->sweeps->combine(action->nodes, x, 1, orders, weighted->all, action->node_sums);
+        jet_combine_rows(action->nodes, x, 1, orders, weighted->all, action->node_sums);
         return action->node_sums;
     }
     JET_IN_VECTORS

@@ -283,7 +283,10 @@ static void set_tables(void *self)
     double weight[TVI_MAX_DEGREE + 2], end_weight[TVI_MAX_DEGREE + 2];
     tvi_curve_fill_tables(curve);
     tvi_curve_set_degrees(curve, curve->q_degree, curve->p_degree);
-    if (w->refinement.high_weight) tvi_refine_set_tables(&w->refinement, curve);
+    if (w->refinement.high_weight) {
+        tvi_defect_set_tables(&w->defect, curve);
+        tvi_refine_set_tables(&w->refinement, curve);
+    }
     for (int i = 0; i < 4; i++) {
         tvi_curve_sum_set_powers(&c->ends[TVI_Q_START + i], curve, false, curve->q_degree, factor[i][0], to,
                                  factor[i][1], from);

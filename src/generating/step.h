@@ -24,6 +24,17 @@ typedef struct {
     double *constants;              /* the block of the field's tape, which contains its constants */
 } tvi_refinement;
 
+/* The defect of a Taylor step at some places, the last of which is its end (defect.c). */
+enum { TVI_DEFECT_PLACES = 4 };
+typedef struct {
+    double *power, *slope, *second; /* [highest_order + 1][places] s^k and its derivatives */
+    double *field;                  /* the block of the field's tape, with a lane for each place */
+    tvi_roundoff_estimator roundoff;
+    /* The blocks of the energy's tape, with lanes for the start and the end, and with one lane; NULL: no energy is
+     * conserved. And the roundoff of its slots. */
+    double *energy, *energy_at_point, *energy_roundoff;
+} tvi_defect;
+
 typedef struct {
     tvi_corrected_curve c;
     bool has_corrections; /* whether the method corrects the ends of the curve by a generating function */
@@ -43,10 +54,9 @@ typedef struct {
     tvi_stats *stats;
     double tau;
     /* Of steps of adapted size. */
-    double *last_step_size;              /* the size of the last such step, or 0; history */
-    double tolerance, log_tolerance;     /* the tolerance of the last such step, and its logarithm */
-    double *end_slots;                   /* the slots of the field's tape at the end of such a step, if separable */
-    tvi_roundoff_estimator end_roundoff; /* the roundoff of the field there */
+    double *last_step_size;          /* the size of the last such step, or 0; history */
+    double tolerance, log_tolerance; /* the tolerance of the last such step, and its logarithm */
+    tvi_defect defect;
     tvi_refinement refinement;
 } tvi_curve_work;
 
@@ -63,6 +73,12 @@ tvi_status tvi_taylor_step_to_tolerance(void *work, double tolerance, double *h,
 /* Returns an upper bound of the energy change by the terms that a plain Taylor step omits, or INFINITY if the curve has
  * too few terms for a bound. */
 double tvi_taylor_bound_energy_change(const void *work);
+
+void tvi_defect_allocate(tvi_defect *defect, tvi_arena *arena, const tvi_curve *curve);
+void tvi_defect_set_tables(const tvi_defect *defect, const tvi_curve *curve);
+/* Tells whether the curve of a step of size h = tau, whose increments are given, meets the tolerance in its defect and
+ * in the change of the energy. */
+bool tvi_defect_is_small(tvi_curve_work *w, double h, const tvi_increments *increments);
 
 void tvi_refine_allocate(tvi_refinement *refinement, tvi_arena *arena, const tvi_curve *curve);
 void tvi_refine_set_tables(tvi_refinement *refinement, const tvi_curve *curve);

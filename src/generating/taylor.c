@@ -20,10 +20,6 @@
 #define STEP_SIZE_MAX_TAU_RATIO 16.0 /* found: make adaptive */
 /* [expansions] At most this many curves, each with another tau, are tried for a step. */
 #define STEP_SIZE_MAX_EXPANSIONS 64 /* found: make adaptive */
-/* [1] A step is at most this many times as long as the step before. */
-#define STEP_SIZE_MAX_GROWTH 4.0 /* found: make adaptive */
-/* [1] If a step grows by more than this factor, or is the first, the force at its end is checked. */
-#define STEP_SIZE_CHECKED_GROWTH 1.5 /* found: make adaptive */
 /* [1] For smaller tolerances generating/refine.c reduces the roundoff of a step; for larger ones errors exceed it. */
 #define REFINE_MAX_TOLERANCE 1e-13 /* found: make adaptive */
 /* [1] The omitted terms of a curve change the energy by at most this many times as much as the last two terms. */
@@ -154,48 +150,13 @@ static double estimate_usable_s(const tvi_curve *curve, double log_tolerance)
     return middle >= fourth ? s : STEP_SIZE_MAX_PART_OF_RADIUS * sqrt(sqrt(middle));
 }
 
-/* ---- The check of the end ---------------------------------------------------------------------------------------- */
-
-/* Tells whether the curve of a step of size h satisfies dp/ds = h F at its end, with the scaled time s from 0 to 1 in
- * the step. The two sides may differ by q_degree times the tolerance times the largest momentum, or by the roundoff of
- * F. The coefficients at the start do not show a force that the body meets only within the step. */
-static bool meets_force_at_end(tvi_curve_work *w, double h, const tvi_increments *increments)
-{
-    const tvi_curve *curve = &w->c.curve;
-    const tvi_system *system = curve->system;
-    const jet_tape *tape = system->field_values;
-    const tvi_step_origin *origin = w->origin;
-    const double t = origin->t + h;
-    double *x = w->end_slots, *defect = w->scratch, largest_defect = 0, largest_p = TVI_LEAST_SIZE;
-    if (!x) return true;
-    for (int i = 0; i < curve->n; i++) x[i] = origin->q[i] + increments->dq[i];
-    tvi_system_write_time(system, x, 1, &t);
-    if (!tape->sweeps->values(tape, x, 1)) return false;
-    for (int i = 0; i < curve->n; i++) {
-        double slope = 0;
-        for (int k = curve->p_degree; k > 0; k--) slope += k * curve_U(curve, k, i);
-        defect[i] = fabs(h * x[tape->output_slot[i]] - slope / curve->kappa[i]);
-        largest_defect = fmax(largest_defect, defect[i]);
-        largest_p = fmax(largest_p, fabs(origin->p[i]) + fabs(increments->dp[i]));
-    }
-    const double limit = curve->q_degree * w->tolerance * largest_p;
-    if (largest_defect <= limit || !isfinite(largest_defect)) return largest_defect <= limit;
-    (void)tvi_roundoff_estimate_field(&w->end_roundoff, system, x, 1, 1);
-    for (int i = 0; i < curve->n; i++)
-        if (!(defect[i] <= limit + ROUNDOFF_MAX_UNITS * fabs(h) * w->end_roundoff.output_roundoff[i])) return false;
-    return true;
-}
-
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
 void tvi_taylor_allocate(tvi_curve_work *w, tvi_arena *arena)
 {
-    const tvi_system *system = w->c.curve.system;
     w->last_step_size = tvi_arena_allocate_copied(arena, sizeof(double));
+    tvi_defect_allocate(&w->defect, arena, &w->c.curve);
     tvi_refine_allocate(&w->refinement, arena, &w->c.curve);
-    if (system->form != TVI_SEPARABLE) return;
-    w->end_slots = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
-    tvi_roundoff_allocate(&w->end_roundoff, arena, system);
 }
 
 /* Expands the curve with a time unit tau that is a power of 2 near the usable step, or near the largest step if that is
@@ -249,16 +210,14 @@ tvi_status tvi_taylor_step_to_tolerance(void *self, double tolerance, double *h,
         *h = w->tau;
         return status;
     }
-    const bool must_check_end = usable > STEP_SIZE_CHECKED_GROWTH * before;
-    if (before != 0) usable = fmin(usable, STEP_SIZE_MAX_GROWTH * before);
-    bool is_chosen = usable < fabs(*h);
-    if (is_chosen) *h = copysign(usable, *h);
+    const double largest = *h;
+    if (usable < fabs(*h)) *h = copysign(usable, *h);
     tvi_step_taylor_increments(w, *h, increments);
-    while (must_check_end && !meets_force_at_end(w, *h, increments) && origin->t + *h != origin->t) {
+    while (!tvi_defect_is_small(w, *h, increments) && origin->t + *h != origin->t) {
         *h /= 2;
-        is_chosen = true;
         tvi_step_taylor_increments(w, *h, increments);
     }
+    const bool is_chosen = *h != largest;
     if (is_chosen) *w->last_step_size = fabs(*h);
     if (is_chosen && origin->t + *h == origin->t) return TVI_ENOCONV;
     stats->tail = tvi_curve_tail(curve);

@@ -118,6 +118,105 @@ START_TEST(bodies_feel_what_they_meet)
 }
 END_TEST
 
+/* A hill beside a weak force, which every form of a system feels at places inside of its steps alone: the coefficients
+ * at the start do not show the hill, and where a step ends beyond it the weak force is what it should be. */
+static jet hill(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_add(jet_exp(jet_neg(jet_sqr(q[0]))), jet_mul(1e-8, jet_sqr(q[0])));
+}
+
+static void hill_force(const jet q[], jet t, jet out[], void *ctx)
+{
+    (void)t, (void)ctx;
+    out[0] = jet_mul(jet_mul(2, q[0]), jet_sub(jet_exp(jet_neg(jet_sqr(q[0]))), 1e-8));
+}
+
+static void rest_of_drive(const jet q[], const jet v[], jet t, jet out[], void *ctx)
+{
+    (void)v, (void)t, (void)ctx;
+    out[0] = jet_mul(1e-12, q[0]);
+}
+
+/* The kinetic energy depends on q, too. */
+static jet hill_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
+{
+    return jet_add(jet_div(jet_sqr(p[0]), jet_add(2, jet_mul(1e-6, jet_sqr(q[0])))), hill(q, t, ctx));
+}
+
+static jet hill_lagrangian(const jet q[], const jet v[], jet t, void *ctx)
+{
+    return jet_sub(jet_mul(jet_sqr(v[0]), jet_add(0.5, jet_mul(1e-6, jet_sqr(q[0])))), hill(q, t, ctx));
+}
+
+START_TEST(every_form_meets_the_hill)
+{
+    static const double tolerance[] = {1e-4, 1e-7, 1e-10, 1e-13};
+    tvi_system *potential, *system;
+    ck_assert_int_eq(tvi_system_potential(&potential, 1, NULL, hill, NULL), TVI_OK);
+    switch (_i) {
+    case 0: ck_assert_int_eq(tvi_system_potential(&system, 1, NULL, hill, NULL), TVI_OK); break;
+    case 1: ck_assert_int_eq(tvi_system_force(&system, 1, NULL, hill_force, NULL), TVI_OK); break;
+    case 2: ck_assert_int_eq(tvi_system_driven(&system, potential, rest_of_drive, NULL), TVI_OK); break;
+    case 3: ck_assert_int_eq(tvi_system_hamiltonian(&system, 1, hill_hamiltonian, NULL), TVI_OK); break;
+    default: ck_assert_int_eq(tvi_system_lagrangian(&system, 1, hill_lagrangian, NULL), TVI_OK);
+    }
+    orbit right = {.system = system, .n = 1, .q = {-20}, .p = {1}};
+    open_integrator(&right, "galerkin", 16);
+    ck_assert_int_eq(tvi_integrate_to(right.integrator, 0.02, 43, &right.t, right.q, right.p, NULL, NULL), TVI_OK);
+    ck_assert_double_lt(right.q[0], -20);
+    for (size_t i = 0; i < sizeof tolerance / sizeof *tolerance; i++) {
+        orbit o = {.system = system, .n = 1, .q = {-20}, .p = {1}};
+        open_integrator(&o, "taylor", tvi_taylor_order(tolerance[i]));
+        ck_assert_int_eq(go(&o, tolerance[i], 43, NULL, NULL), TVI_OK);
+        ck_assert_double_lt(error_of(&o, right.q, right.p), 100 * tolerance[i] + 1e-11);
+        ck_assert_int_lt(steps_of(&o), 150);
+        tvi_integrator_free(o.integrator);
+    }
+    close_orbit(&right);
+    tvi_system_free(potential);
+}
+END_TEST
+
+/* A step of the potential so narrow that its force is felt between the places where the field is compared. The energy
+ * shows it, of each form that has one. */
+static jet narrow_step(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_add(jet_div(jet_sqr(q[0]), 2), jet_mul(0.1, jet_tanh(jet_mul(1000, jet_sub(q[0], 0.31)))));
+}
+
+static jet narrow_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
+{
+    return jet_add(jet_div(jet_sqr(p[0]), jet_add(2, jet_mul(1e-6, jet_sqr(q[0])))), narrow_step(q, t, ctx));
+}
+
+static jet narrow_lagrangian(const jet q[], const jet v[], jet t, void *ctx)
+{
+    return jet_sub(jet_mul(jet_sqr(v[0]), jet_add(0.5, jet_mul(1e-6, jet_sqr(q[0])))), narrow_step(q, t, ctx));
+}
+
+START_TEST(the_energy_shows_what_lies_between)
+{
+    static const double tolerance[] = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
+    tvi_system *system;
+    if (_i == 0) ck_assert_int_eq(tvi_system_potential(&system, 1, NULL, narrow_step, NULL), TVI_OK);
+    else if (_i == 1) ck_assert_int_eq(tvi_system_hamiltonian(&system, 1, narrow_hamiltonian, NULL), TVI_OK);
+    else ck_assert_int_eq(tvi_system_lagrangian(&system, 1, narrow_lagrangian, NULL), TVI_OK);
+    orbit right = {.system = system, .n = 1, .q = {-1}, .p = {0}};
+    open_integrator(&right, "galerkin", 16);
+    ck_assert_int_eq(tvi_integrate_to(right.integrator, 1e-4, 20, &right.t, right.q, right.p, NULL, NULL), TVI_OK);
+    for (size_t i = 0; i < sizeof tolerance / sizeof *tolerance; i++) {
+        orbit o = {.system = system, .n = 1, .q = {-1}, .p = {0}};
+        open_integrator(&o, "taylor", tvi_taylor_order(tolerance[i]));
+        ck_assert_int_eq(go(&o, tolerance[i], 20, NULL, NULL), TVI_OK);
+        ck_assert_double_lt(error_of(&o, right.q, right.p), 100 * tolerance[i] + 1e-10);
+        tvi_integrator_free(o.integrator);
+    }
+    close_orbit(&right);
+}
+END_TEST
+
 /* N is the least order with e^(2 - 2N) <= tolerance, and at least 2, which "taylor" needs. */
 START_TEST(orders_of_tolerances)
 {
@@ -145,6 +244,8 @@ Suite *suite_tolerance_far(void)
     Suite *suite = suite_create("tolerance far");
     TCase *tcase = tcase_create("tolerance far");
     tcase_add_loop_test(tcase, bodies_feel_what_they_meet, 0, CASES);
+    tcase_add_loop_test(tcase, every_form_meets_the_hill, 0, 5);
+    tcase_add_loop_test(tcase, the_energy_shows_what_lies_between, 0, 3);
     tcase_add_test(tcase, orders_of_tolerances);
     suite_add_tcase(suite, tcase);
     return suite;
