@@ -46,7 +46,8 @@ extern "C" {
     ROW(TVI_ESTOPPED, "stopped by an observer or a terminal event")                                                    \
     ROW(TVI_EUNSUPPORTED, "this system or method does not provide that")                                               \
     ROW(TVI_ETOOLARGE, "the step is too large for the orbit")                                                          \
-    ROW(TVI_ECOMPILE, "the generated code could not be compiled or loaded")
+    ROW(TVI_ECOMPILE, "the generated code could not be compiled or loaded")                                            \
+    ROW(TVI_EROUNDOFF, "the wanted error is below roundoff")
 
 #define TVI_STATUS_CODE(code, text) code,
 typedef enum { TVI_STATUS_LIST(TVI_STATUS_CODE) TVI_STATUS_COUNT } tvi_status;

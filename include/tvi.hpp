@@ -409,15 +409,17 @@ inline tvi_options options(const std::string &name, int order)
     return found;
 }
 
-/* Does what tvi_suggest_step_seen does. */
+/* Does what tvi_measure_step does, for a run of that duration without events; `measured` is its error. */
 template <class Q, class P>
 double suggest_step(const system &of, const tvi_options &options, double t, const Q &q, const P &p, double duration,
-                    double error, double &seen)
+                    double error, double &measured)
 {
     const std::size_t n = static_cast<std::size_t>(of.dimension());
+    tvi_run_plan plan = {};
     double h = 0;
-    detail::check(tvi_suggest_step_seen(of.get(), &options, t, detail::data_of("q", n, q), detail::data_of("p", n, p),
-                                        duration, error, &h, &seen));
+    plan.t_end = t + duration;
+    detail::check(tvi_measure_step(of.get(), &options, &plan, t, detail::data_of("q", n, q), detail::data_of("p", n, p),
+                                   error, &h, &measured));
     return h;
 }
 
@@ -426,8 +428,8 @@ template <class Q, class P>
 double suggest_step(const system &of, const tvi_options &options, double t, const Q &q, const P &p, double duration,
                     double error)
 {
-    double seen = 0;
-    return suggest_step(of, options, t, q, p, duration, error, seen);
+    double measured = 0;
+    return suggest_step(of, options, t, q, p, duration, error, measured);
 }
 
 /* Compiled code for the system and the options: options.compiled = code.get(). */

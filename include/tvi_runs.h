@@ -186,29 +186,37 @@ TVI_NODISCARD tvi_status tvi_run(tvi_integrator *integrator, const tvi_run_plan 
 
 /* ---- Which step -------------------------------------------------------------------------------------------------- */
 
-/* Suggests the step h of a run of that duration, from (t, q, p), with the wanted error at its end: the largest error of
- * a coordinate relative to the largest coordinate, or of a momentum relative to the largest momentum. A few large steps
- * explore the orbit for its hardest part. Trial steps there, beside pairs of half the size, aim at less than a tenth of
- * the error. On a regular orbit the error is then at most the wanted one, and a step twice as long does not keep it or
- * is refused. On eccentric orbits of fixed steps, e up to 0.9, this held in all but 1 run of 2000 (docs/choosing.md has
- * what was reached). Parts of the orbit that are not seen, such as chaos and close encounters later on, make the error
- * larger. At most 60 steps are made, those of 20 trial steps, or in a run of more than 1200 steps about 5 % of it, and
- * never more than 6000. The run is made by tvi_integrate_to. q[n], p[n] and the options are those for
- * tvi_integrator_create; h is in the unit of t, has the sign of the duration, and is not larger. In a rescaled system
- * it is in s.
- *   TVI_EINVAL  NULL, a duration that is 0, not finite or roundoff of t, an error below DBL_EPSILON or not below 1, or
- *               below what roundoff is seen to make of the run, or what that of t may make of one whose equations
- *               depend on it
- *   TVI_ENOMEM  no memory
- *   others      as of tvi_integrator_create, and of tvi_step if no size of it is accepted; *h stays as it was */
+/* Finds the step h of a run from (t, q, p) to plan->t_end, either way, whose error at the end is at most the wanted
+ * one, and measures that error. The error is the largest difference of a coordinate from the right one, relative to the
+ * largest coordinate of the orbit, or of a momentum, relative to the largest momentum; with events in the plan, of
+ * which the terminal ones end the runs, also that of the time of the end, relative to the duration. q[n], p[n] and the
+ * options are those for tvi_integrator_create; the run is then made by tvi_integrate_to or a plan with this h, which
+ * has the sign of the duration and, but for a rescaled system, is not longer.
+ *
+ * The whole run is made several times: once by "taylor" to a tolerance of 1e-6, whose steps see what is short and
+ * narrow, and in pairs with h and h / 1.5, the distance of whose ends is the error of h. Where roundoff may make more,
+ * *measured is what the random walk of the rounded impulses makes (docs/roundoff.md), to a factor of 3 or so. h is made
+ * smaller by the order of the method until the error is at most the wanted one, by half where a step is refused or
+ * takes more than 20 passes, and larger once if the error is below a hundredth of it. That costs 3 to 6 runs with the
+ * final h (docs/choosing.md). For runs of hours give a shorter one: errors of regular orbits grow as t, roundoff as
+ * t^(3/2).
+ *
+ * Of the plan are read t_end; events; largest_step, which h does not exceed, for pushes in time that fall between the
+ * steps of all runs; steps, the most that all runs may make, 0: any number; at_step and ctx: at_step is called once in
+ * 1024 steps and after each run, with member 0, the number of steps of all runs and the state, and a value other than 0
+ * ends the search. Its other observers are not called. TVI_EROUNDOFF  roundoff makes more of the run: *h and *measured
+ * are those of the smallest error that was found TVI_ESTOPPED   at_step ended the search, or the steps are used up: *h
+ * and *measured are those of the smallest error
+ *                  that was found, if there is one, and as they were if not
+ * TVI_EINVAL     NULL, a plan with h, tolerance, times or D, a duration that is 0, not finite or roundoff of t, an
+ *                  error below DBL_EPSILON or not below 1
+ * TVI_ENOMEM     no memory others         as of tvi_integrator_create, and of tvi_step if no size of it is accepted */
+TVI_NODISCARD tvi_status tvi_measure_step(const tvi_system *system, const tvi_options *options,
+                                          const tvi_run_plan *plan, double t, const double q[], const double p[],
+                                          double error, double *h, double *measured);
+/* Does the same for a run of that duration without events, and does not tell the error. */
 TVI_NODISCARD tvi_status tvi_suggest_step(const tvi_system *system, const tvi_options *options, double t,
                                           const double q[], const double p[], double duration, double error, double *h);
-/* Does the same, and returns the part of the duration, in time, whose orbit was explored, from above 0 to 1. *seen is 1
- * if that was all of it; 0.09 says that encounters may follow in the other 91 %, of which h knows nothing. Methods
- * without a tail (tvi_stats) can only explore by trial steps. On failure *seen stays as it was, too. */
-TVI_NODISCARD tvi_status tvi_suggest_step_seen(const tvi_system *system, const tvi_options *options, double t,
-                                               const double q[], const double p[], double duration, double error,
-                                               double *h, double *seen);
 
 #ifdef __cplusplus
 }

@@ -246,7 +246,7 @@ static bool is_correction_roundoff(tvi_newton *newton, const tvi_equations *equa
                 newton->roundoff_scale[i] += ROUNDOFF_MAX_UNITS / NEWTON_STALLED_CORRECTION * fabs(change[i]);
     }
     for (int i = 0; i < newton->size; i++)
-        newton->roundoff_scale[i] += ROUNDOFF_MAX_UNITS / NEWTON_STALLED_CORRECTION * DBL_EPSILON * fabs(newton->x[i]);
+        newton->roundoff_scale[i] += DBL_EPSILON / NEWTON_STALLED_CORRECTION * fabs(newton->x[i]);
     if (measure_corrections(newton, newton->roundoff_scale).group > NEWTON_STALLED_CORRECTION) return false;
     record->growth = 1; /* the corrections are roundoff, and show no contraction */
     return true;

@@ -1,419 +1,374 @@
-/* suggest.c - Suggests the step size with which a run ends with the error that the user wants (tvi_suggest_step).
+/* suggest.c - Chooses the step of a run by whole runs. Runs with the steps h and h/1.5 end a distance apart, which is
+ * the error of h: that of h/1.5 is smaller by 1.5^order. A run of "taylor" to a tolerance goes before them: its steps
+ * follow the radius of convergence, so that it does not fly over what is short or narrow. Its smallest step is the
+ * scale of the first h, and its end a witness, which tells where both runs are wrong alike.
  *
- * The scout (scout.h) explores the orbit with few large steps. It finds the hardest step, where the orbit needs the
- * smallest steps, and the resolving step size there, with which a step has a given small tail (tvi_stats.tail). A trial
- * (trial.h) integrates a part of the run, with the hardest step if possible, and estimates the error of a run with its
- * step size h. The estimate for another step size h' is (h'/h)^order times as large. Trials are made until an estimate
- * is near the error that is aimed at, or until their budget of steps is used up. A trial of the whole run measures the
- * error itself, and no other step size is extrapolated from it.
- *
- * If the scout has explored most of the run, a companion orbit (step_doubling.h) measures how the error grows over that
- * part, since an unstable orbit makes the error much larger. Only the rest of the run is extrapolated. Errors usually
- * grow as t^a with the time t. If the growth in the second half of the explored part exceeds 2^a, this excess is
- * applied again for each further half of that length.
- *
- * Each passage of a pericentre adds an error that depends on where in the passage the steps lie. A trial sees one
- * sample of these errors. The samples differ more on orbits that need more different step sizes. Therefore the
- * suggested step size is divided by 1 + a multiple of log(r), with r the ratio of the largest to the smallest resolving
- * step size. */
-#include "run/suggest.h"
-#include "algebra/sizes.h"
-#include "run/integrator.h"
-#include "run/trial.h"
+ * The norm of a distance is the largest difference of a coordinate, relative to the largest coordinate of the orbit, or
+ * of a momentum, relative to the largest momentum; and of the time at which a terminal event ended the run, relative to
+ * its duration. */
+#include "run/run.h"
 #include "system/refuse.h"
 
 #include <float.h>
+#include <limits.h>
 #include <math.h>
-#include <string.h>
+#include <stdlib.h>
 
-/* ---- Constants found by trials ----------------------------------------------------------------------------------- */
+/* [1] The tolerance of the witness, and that of a second one, which measures the error of the first. */
+#define WITNESS_TOLERANCE 1e-6 /* found: make suggest */
+#define WITNESS_CHECKING  1e-9 /* found: make suggest */
+/* [orders] The order of the witness, more than suits the tolerance, so that it has fewer steps. */
+#define WITNESS_ORDER 16 /* found: make suggest */
+/* [1] The finer run of a pair has this part of the step. */
+#define FINER (1 / 1.5) /* found: make suggest */
+/* [1] The next step aims at this part of the wanted error. */
+#define AIM 0.25 /* found: make suggest */
+/* [1] Distances above this are no measure of an error: they do not grow as a power of h. */
+#define LARGEST_DISTANCE 0.05 /* found: make suggest */
+/* [passes] A run with more passes a step is refused. */
+#define MOST_PASSES 20 /* found: make suggest */
+/* [1] Distances up to this many times the model of roundoff may be roundoff. */
+#define ROUNDOFF_DOUBT 300 /* found: make suggest */
+/* [steps] The witness has at least this many, and so has a run without a witness. */
+#define LEAST_STEPS 64 /* found: make suggest */
+/* [steps] All runs make at most this many, if the plan names no other number. */
+#define MOST_STEPS 100000000
+/* [steps] The plan's at_step is called once in this many, and after each run. */
+enum { STEPS_BETWEEN_CALLS = 1024, MOST_PAIRS = 1000 };
 
-/* In a rescaled system trials aim lower, since another passage of a pericentre may be worse than that in the trial.
- * Trials aim at this part of the wanted error. */
-#define SUGGEST_AIM 0.08 /* found: make suggest */
-/* Trials of rescaled systems aim at this part of the wanted error. */
-#define SUGGEST_AIM_RESCALED 0.06 /* found: make suggest */
-/* The factor of a trial is its step size divided by that of the trial before. The factor of the suggestion is the
- * suggested step size divided by that of the last trial. A trial after a failed one, or after one with a large error,
- * has this factor. */
-#define SUGGEST_FAILED_FACTOR 0.88 /* found: make suggest */
-/* A trial after a failed one has this factor in a rescaled system. */
-#define SUGGEST_FAILED_FACTOR_RESCALED 0.7 /* found: make suggest */
-/* The factor of the suggestion if no trial came near the aim. */
-#define SUGGEST_UNKNOWN_FACTOR 0.8 /* found: make suggest */
-/* The least factor of a trial; the largest is 1 / SUGGEST_MIN_FACTOR. */
-#define SUGGEST_MIN_FACTOR 0.25 /* found: make suggest */
-/* The aim divided by the error of a trial counts as at least this. */
-#define SUGGEST_MIN_AIM_PER_ERROR 1e-3 /* found: make suggest */
-/* The error of a trial is roundoff if SUGGEST_ROUNDOFF_DOUBT is above the distance of its orbits, and if a step size
- * that should reduce the error to the part SUGGEST_EXPECTED_DECREASE does not reduce it by the factor
- * SUGGEST_ROUNDOFF_DECREASE. A smaller distance of two orbits may be roundoff alone. */
-#define SUGGEST_ROUNDOFF 1e-13 /* found: make suggest */
-/* An error may be roundoff if the orbits' distance is below this. */
-#define SUGGEST_ROUNDOFF_DOUBT 1e-10 /* found: make suggest */
-/* An error that falls by less than this factor may be roundoff alone. */
-#define SUGGEST_ROUNDOFF_DECREASE 3 /* found: make suggest */
-/* A shorter step tests for roundoff if it should reduce errors to this part. */
-#define SUGGEST_EXPECTED_DECREASE 0.01 /* found: make suggest */
-/* The first trial supposes that a step that just resolves the orbit has the error SUGGEST_RESOLVED_ERROR tail^a, with a
- * = order / degree. */
-#define SUGGEST_RESOLVED_ERROR 0.1 /* found: make suggest */
-/* The first trial covers this part of the run. */
-#define SUGGEST_COVERED_PART 0.05 /* found: make suggest */
-/* The tail of a step is at most this many times SCOUT_RESOLVING_TAIL. */
-#define SUGGEST_MAX_TAIL_RATIO 40.0 /* found: make suggest */
-/* A step size is accepted if the error of the whole run is at most SUGGEST_MAX_ERROR times the wanted error. It is the
- * longest one if that error is at least SUGGEST_FULL_ERROR times the wanted one, or if a step that is
- * SUGGEST_LONGER_FACTOR times as long is not accepted. */
-#define SUGGEST_MAX_ERROR     0.9  /* found: make suggest */
-#define SUGGEST_FULL_ERROR    0.02 /* found: make suggest */
-#define SUGGEST_LONGER_FACTOR 1.1  /* found: make suggest */
-/* The suggested step size is divided by 1 + SUGGEST_SPREAD_WEIGHT log(r). r is the ratio of the largest to the smallest
- * resolving step size, but at most SUGGEST_MAX_SPREAD. */
-#define SUGGEST_SPREAD_WEIGHT 0.15 /* found: make suggest */
-#define SUGGEST_MAX_SPREAD    30.0 /* found: make suggest */
-/* The roundoff of the time t of a run causes an error. To measure it, tvi_suggest_step compares a step from t with one
- * from t + shift. In a run this roundoff adds up to SUGGEST_TIME_BIAS sqrt(steps) units, of DBL_EPSILON t each. */
-#define SUGGEST_TIME_BIAS 3.0 /* found: make suggest */
-/* The error by the roundoff of t is measured if it may be more than this part of the wanted error. */
-#define SUGGEST_TIME_DOUBT 0.01 /* found: make suggest */
-/* [h] The shift of t, as a part of the duration of the step. */
-#define SUGGEST_TIME_SHIFT 1e-3 /* found: make suggest */
-/* [eps] The shift of t is at least this many times DBL_EPSILON t. */
-#define SUGGEST_TIME_SHIFT_UNITS 4.0 /* found: make suggest */
-
-/* The search for a step size: the trials so far, and what they show. */
+/* The end of a run. */
 typedef struct {
-    tvi_trials trials;
-    int order; /* the order of the method */
-    /* The degree of the method's curve, at least 1; a double, since exponents are divided by it. */
-    double curve_degree;
-    double wanted_error, aimed_error; /* the error that the user wants, and the smaller one that trials aim at */
-    double longest_allowed_step_size; /* no step size longer than this is tried or suggested */
-    /* A step size whose trial had a large error, and this error. No trial of a shorter step has had an error below a
-     * third of possible_roundoff_error. */
-    double possible_roundoff_step_size, possible_roundoff_error;
-    double roundoff_error; /* the error that shorter steps do not reduce; 0 if none was found */
-    /* The longest step size with which a trial of the whole run had an error that is small enough
-     * (SUGGEST_MAX_ERROR), and the shortest one with which a trial had a larger error; 0 if there is none. */
-    double longest_good_step_size, shortest_bad_step_size;
-    double error_of_longest_good_step_size; /* the error of the trial with longest_good_step_size */
-    /* True if the suggestion rests on a trial that has passed the hardest step with an estimate near the aim. */
-    bool is_suggestion_reliable;
-} suggestion_search;
+    double h;    /* 0: none was made */
+    double *end; /* [2n + 1] q, p, t */
+    long steps;
+    double smallest_step;       /* in time */
+    double size[2];             /* the largest |q_i| and |p_i| */
+    double speed, largest_kick; /* the largest changes of a coordinate by the time, and of a momentum in a step */
+    tvi_status status;
+} whole_run;
 
-/* ---- All trials -------------------------------------------------------------------------------------------------- */
+typedef struct {
+    const tvi_run_plan *plan;
+    int n, order;
+    const double *start; /* [2n + 1] */
+    double wanted;
+    tvi_integrator *it;
+    long steps, most_steps; /* of all runs */
+    bool is_stopped;        /* by the budget or by the plan's at_step */
+    /* Of the run that is made. */
+    whole_run *run;
+    double last_t, last_dt, *last; /* the time and the state [2n] before the step, and the step before it */
+    long passes;                   /* before the run */
+    bool has_many_passes;
+} search;
 
-static double step_size_factor_after_failure(const suggestion_search *search)
+/* ---- Runs -------------------------------------------------------------------------------------------------------- */
+
+/* Calls the plan's at_step. */
+static bool is_told_to_stop(const search *s, double t, const double q[], const double p[])
 {
-    return search->trials.step_doubling.is_rescaled ? SUGGEST_FAILED_FACTOR_RESCALED : SUGGEST_FAILED_FACTOR;
+    const int steps = s->steps < INT_MAX ? (int)s->steps : INT_MAX;
+    return s->plan->at_step && s->plan->at_step(0, steps, t, q, p, s->plan->ctx) != 0;
 }
 
-/* Returns the step size of the next trial divided by the step size of the given trial. */
-static double next_trial_step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
+static int after_step(long step, double t, const double q[], const double p[], void *ctx)
 {
-    if (trial->status != TVI_OK) return step_size_factor_after_failure(search);
-    const double wrong = fmin(trial->estimated_error / search->trials.aimed_error, 1 / SUGGEST_MIN_AIM_PER_ERROR);
-    return wrong > 0 ? tvi_clamp(SUGGEST_MIN_FACTOR, pow(wrong, -1.0 / search->order), 1 / SUGGEST_MIN_FACTOR)
-                     : 1 / SUGGEST_MIN_FACTOR;
-}
-
-/* Returns the suggested step size divided by the step size of the given trial, if no other trial follows. */
-static double final_step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
-{
-    return fmin(next_trial_step_size_factor(search, trial), pow(TRIAL_ERROR_BAND, 1.0 / search->order));
-}
-
-/* Records a trial whose error is above the aim although the distance of its orbits is so small that it may be
- * roundoff. The error is taken as roundoff if a step size that should reduce it to a hundredth does not reduce it. */
-static void detect_roundoff_error(suggestion_search *search, const tvi_step_size_trial *trial)
-{
-    if (!tvi_trial_error_is_far_above_aim(&search->trials, trial) || trial->estimated_error == INFINITY ||
-        fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) > SUGGEST_ROUNDOFF_DOUBT)
-        return;
-    if (search->possible_roundoff_step_size == 0 ||
-        trial->estimated_error < search->possible_roundoff_error / SUGGEST_ROUNDOFF_DECREASE)
-        search->possible_roundoff_step_size = trial->h, search->possible_roundoff_error = trial->estimated_error;
-    else if (pow(trial->h / search->possible_roundoff_step_size, search->order) < SUGGEST_EXPECTED_DECREASE)
-        search->roundoff_error = fmin(trial->estimated_error, search->possible_roundoff_error);
-}
-
-/* Updates longest_good_step_size, shortest_bad_step_size and longest_allowed_step_size after a trial. */
-static void update_step_size_bracket(suggestion_search *search, const tvi_step_size_trial *trial)
-{
-    const bool is_too_long = trial->is_finished && tvi_trial_error_is_far_above_aim(&search->trials, trial);
-    if (trial->covers_whole_run && trial->estimated_error <= SUGGEST_MAX_ERROR * search->wanted_error) {
-        if (fabs(trial->h) > fabs(search->longest_good_step_size))
-            search->longest_good_step_size = trial->h, search->error_of_longest_good_step_size = trial->estimated_error;
-    } else if (trial->covers_whole_run || is_too_long) {
-        search->shortest_bad_step_size = search->shortest_bad_step_size == 0
-                                             ? trial->h
-                                             : tvi_number_nearer_to_zero(search->shortest_bad_step_size, trial->h);
+    search *s = ctx;
+    whole_run *run = s->run;
+    const int n = s->n;
+    const long passes = s->it->stats.passes;
+    const double dt = fabs(t - s->last_t);
+    double moved = 0, kick = 0;
+    for (int i = 0; i < n; i++) {
+        moved = fmax(moved, fabs(q[i] - s->last[i]));
+        kick = fmax(kick, fabs(p[i] - s->last[n + i]));
+        run->size[0] = fmax(run->size[0], fabs(q[i]));
+        run->size[1] = fmax(run->size[1], fabs(p[i]));
     }
-    if (trial->estimated_error == INFINITY)
-        search->longest_allowed_step_size = tvi_number_nearer_to_zero(
-            search->longest_allowed_step_size, step_size_factor_after_failure(search) * trial->h);
-    else if (is_too_long)
-        search->longest_allowed_step_size =
-            tvi_number_nearer_to_zero(search->longest_allowed_step_size, SUGGEST_FAILED_FACTOR * trial->h);
+    memcpy(s->last, q, (size_t)n * sizeof *q);
+    memcpy(s->last + n, p, (size_t)n * sizeof *p);
+    s->last_t = t;
+    s->has_many_passes = s->run->h != 0 && passes - s->passes > MOST_PASSES * (step + LEAST_STEPS);
+    run->steps = step;
+    run->smallest_step = fmin(run->smallest_step, s->last_dt); /* not that of the last one, which ends the run */
+    s->last_dt = dt;
+    run->largest_kick = fmax(run->largest_kick, kick);
+    if (dt > 0) run->speed = fmax(run->speed, moved / dt);
+    s->steps++;
+    if (s->steps >= s->most_steps || (s->steps % STEPS_BETWEEN_CALLS == 0 && is_told_to_stop(s, t, q, p)))
+        s->is_stopped = true;
+    return s->is_stopped || s->has_many_passes;
 }
 
-/* Tells whether a trial of the whole run may find a longer step size than longest_good_step_size, and whether the
- * budget of steps allows the trial. *h is the step size to try; if it does not lie between longest_good_step_size and
- * shortest_bad_step_size, it is replaced by a value between them. */
-static bool may_trial_find_longer_step(const suggestion_search *search, double *h)
+/* Returns the largest step of the witness. */
+static double witness_limit(const search *s)
 {
-    const bool has_worst = search->shortest_bad_step_size != 0;
-    if (has_worst &&
-        !(fabs(*h) > fabs(search->longest_good_step_size) && fabs(*h) < fabs(search->shortest_bad_step_size)))
-        *h = copysign(sqrt(search->longest_good_step_size * search->shortest_bad_step_size),
-                      search->longest_good_step_size);
-    const bool is_found = search->error_of_longest_good_step_size >= SUGGEST_FULL_ERROR * search->wanted_error ||
-                          fabs(search->longest_good_step_size) >= fabs(search->longest_allowed_step_size) ||
-                          (has_worst && fabs(search->shortest_bad_step_size) <
-                                            SUGGEST_LONGER_FACTOR * fabs(search->longest_good_step_size));
-    return !is_found && tvi_trials_have_budget_for_steps(
-                            &search->trials, TVI_STEPS_OF_TRIAL * ceil(fabs(search->trials.run_end_abscissa / *h)));
+    const double most = fabs(s->plan->t_end - s->start[2 * s->n]) / LEAST_STEPS;
+    return s->plan->largest_step > 0 ? fmin(s->plan->largest_step, most) : most;
 }
 
-/* Tells whether the suggestion should follow this trial: the trial covers about as much of the run as the longest
- * trial, or it shows that its step size is too large. *is_near_aim is set if the trial's estimate is near the aim or
- * below. */
-static bool is_trial_informative(const suggestion_search *search, const tvi_step_size_trial *trial, bool *is_near_aim)
+/* Makes a run with steps of h, or for h = 0 to a tolerance, to t_end or to a terminal event. */
+static void make_run(search *s, tvi_integrator *it, double h, double tolerance, whole_run *run)
 {
-    const tvi_trials *trials = &search->trials;
-    *is_near_aim =
-        trial->has_passed_hardest_step && !trial->covers_whole_run && !tvi_trial_error_is_far_above_aim(trials, trial);
-    const bool is_long = trial->has_passed_hardest_step &&
-                         trial->run_error_fraction >= TRIAL_EQUAL_LENGTH * trials->largest_error_fraction;
-    return is_long || trial->covers_whole_run ||
-           (trial->is_finished && tvi_trial_error_is_above(trials, trial, trials->aimed_error));
+    const size_t n = (size_t)s->n;
+    const tvi_run_plan plan = {.h = h,
+                               .tolerance = tolerance,
+                               .t_end = s->plan->t_end,
+                               .largest_step = tolerance > 0 ? witness_limit(s) : 0,
+                               .events = s->plan->events,
+                               .event_count = s->plan->event_count};
+    const tvi_single_run made = {.mode = tolerance > 0 ? TVI_RUN_TO_TOLERANCE : TVI_RUN_TO_TIME,
+                                 .plan = &plan,
+                                 .observers = {.at_step = after_step, .ctx = s}};
+    *run = (whole_run){.h = h, .end = run->end, .smallest_step = INFINITY};
+    s->run = run;
+    s->it = it;
+    s->passes = it->stats.passes;
+    s->has_many_passes = false;
+    s->last_t = s->start[2 * n];
+    s->last_dt = fabs(s->plan->t_end - s->last_t);
+    memcpy(s->last, s->start, 2 * n * sizeof *s->last);
+    memcpy(run->end, s->start, (2 * n + 1) * sizeof *run->end);
+    tvi_integrator_reset(it);
+    run->status = tvi_run_integrator(it, &made, run->end + 2 * n, run->end, run->end + n);
+    if (!s->is_stopped) s->is_stopped = is_told_to_stop(s, run->end[2 * n], run->end, run->end + n);
+    if (run->status == TVI_ESTOPPED && !s->is_stopped)
+        run->status =
+            s->has_many_passes ? jet_refuse(TVI_ENOCONV, "its steps take more than %d passes", MOST_PASSES) : TVI_OK;
 }
 
-/* Updates the suggestion after a trial. Returns true if another trial is to follow, and sets *h to the step size of
- * that trial. */
-static bool update_suggestion(suggestion_search *search, const tvi_step_size_trial *trial, double *h,
-                              tvi_step_suggestion *suggestion)
+static double distance(const search *s, const whole_run *a, const whole_run *b)
 {
-    tvi_trials *trials = &search->trials;
-    const bool failed = trial->estimated_error == INFINITY, is_low = tvi_trial_error_is_far_below_aim(trials, trial),
-               is_high = tvi_trial_error_is_far_above_aim(trials, trial);
-    bool is_near_aim;
-    const bool is_new = is_trial_informative(search, trial, &is_near_aim);
-    const double factor = is_new ? next_trial_step_size_factor(search, trial) : 1;
-    if (is_new)
-        suggestion->h = trial->h * final_step_size_factor(search, trial), search->is_suggestion_reliable = is_near_aim;
-    else if (!search->is_suggestion_reliable)
-        suggestion->h = suggestion->h == 0 ? trial->h : tvi_number_nearer_to_zero(suggestion->h, trial->h);
-    if (!failed && (is_new || !search->is_suggestion_reliable))
-        suggestion->trial_step_size = trial->h, suggestion->run_error_fraction = trial->run_error_fraction,
-        suggestion->estimated_error = trial->estimated_error;
-    if (!failed)
-        suggestion->explored_fraction = fmax(suggestion->explored_fraction, trial->duration_fraction_done),
-        trials->largest_error_fraction = fmax(trials->largest_error_fraction, trial->run_error_fraction);
-    detect_roundoff_error(search, trial);
-    update_step_size_bracket(search, trial);
-    /* If the budget is used up, the steps that are reserved for the companion are released for another trial. */
-    if (!tvi_trials_can_continue_trial(trials) && (is_low || is_high)) trials->reserved_step_count = 0;
-    *h = tvi_number_nearer_to_zero(trial->h * factor, search->longest_allowed_step_size);
-    trials->run_length_in_steps *= trial->h / *h;
-    if (search->longest_good_step_size != 0) return may_trial_find_longer_step(search, h);
-    const bool is_last = search->roundoff_error > 0 || !(failed || is_low || is_high || trial->is_finished);
-    return !is_last && tvi_trials_can_continue_trial(trials) &&
-           (!search->is_suggestion_reliable || tvi_trials_can_pass_hardest_step(trials, *h)) &&
-           fabs(*h) > DBL_EPSILON * fabs(trials->duration);
+    const double *x = a->end, *y = b->end;
+    double largest = fabs(x[2 * s->n] - y[2 * s->n]) / fabs(s->plan->t_end - s->start[2 * s->n]);
+    for (int i = 0; i < 2 * s->n; i++)
+        if (x[i] != y[i]) largest = fmax(largest, fabs(x[i] - y[i]) / fmin(a->size[i / s->n], b->size[i / s->n]));
+    return largest;
 }
 
-/* Corrects the error estimate of the last trial by the growth of errors that the companion measures
- * (step_doubling.h). */
-static void scale_error_by_growth(suggestion_search *search, tvi_step_size_trial *trial,
-                                  tvi_step_suggestion *suggestion)
+/* The error that roundoff makes of a run (docs/roundoff.md): each step rounds its impulse once, with an error that is
+ * evenly distributed and adds up to a walk of the velocity, and so to a distance that grows as t^(3/2). It is the path
+ * relative to the orbit, times the rounded part of the momentum, times the walk sqrt(steps / 3). */
+static double roundoff_of(const search *s, const whole_run *run)
 {
-    tvi_trials *trials = &search->trials;
-    if (trials->reserved_step_count == 0 || suggestion->trial_step_size != trial->h ||
-        trial->estimated_error == INFINITY)
-        return;
-    double growth;
-    const double trial_distance = trials->step_doubling.orbit_distance, part = trials->scout.explored_fraction;
-    const double error_ratio = tvi_step_doubling_error_ratio(&trials->step_doubling, &trials->scout,
-                                                             trials->start_abscissa, trial->end_abscissa, &growth);
-    if (error_ratio == 0) return;
-    /* `growth` compares the second half of the explored part with its first half; `halves` is the number of further
-     * halves in the unexplored rest. */
-    const double more = fmax(growth / pow(2, trials->error_growth_exponent), 1), halves = 2 * (1 / part - 1);
-    suggestion->estimated_error = trial->estimated_error =
-        trial_distance * error_ratio * pow(part, -trials->error_growth_exponent) * pow(more, halves);
-    suggestion->h = trial->h * final_step_size_factor(search, trial);
+    const double of_step = DBL_EPSILON / sqrt(12) * run->largest_kick / fmax(run->size[1], DBL_MIN),
+                 path = run->speed * fabs(run->end[2 * s->n] - s->start[2 * s->n]) / fmax(run->size[0], DBL_MIN);
+    const double walk = of_step * sqrt((double)run->steps / 3) * fmax(path, 1);
+    if (!s->it->system->uses_time) return fmax(walk, DBL_EPSILON);
+    const double last = fmax(fabs(s->plan->t_end), fabs(s->start[2 * s->n])); /* the field is that of a rounded time */
+    return fmax(walk, DBL_EPSILON * fmax(last * run->speed / fmax(run->size[0], DBL_MIN), 1));
 }
 
-/* ---- Before and after the trials --------------------------------------------------------------------------------- */
+/* ---- The witness ------------------------------------------------------------------------------------------------- */
 
-/* Sets the numbers that all trials share (tvi_trials) from the results of the scout. Returns the step size of the first
- * trial. */
-static double prepare_trials(suggestion_search *search)
+/* Makes a run of "taylor" to the tolerance. Its status is that of the run: without it there is no witness. The steps of
+ * a rescaled system see encounters by themselves, and are far fewer than those of a run in time: it has none. */
+static void make_witness(search *s, const tvi_system *system, double tolerance, whole_run *witness)
 {
-    tvi_trials *trials = &search->trials;
-    const tvi_orbit_scout *s = &trials->scout;
-    const double scale = s->resolving_step_size[s->hardest_step_index], end = s->state_abscissas[s->step_count];
-    const double resolved_error =
-        SUGGEST_RESOLVED_ERROR * pow(SCOUT_RESOLVING_TAIL, search->order / search->curve_degree);
-    trials->step_doubling.tried_step_count = s->tried_step_count;
-    trials->step_doubling.largest_q = s->largest_q, trials->step_doubling.largest_p = s->largest_p;
-    trials->run_end_abscissa = end / s->explored_fraction;
-    trials->run_weighted_length = tvi_scout_weighted_length(s, 0, end) / s->explored_fraction;
-    search->longest_allowed_step_size = scale * pow(SUGGEST_MAX_TAIL_RATIO, 1 / search->curve_degree);
-    if (!trials->step_doubling.is_rescaled)
-        search->longest_allowed_step_size =
-            tvi_number_nearer_to_zero(search->longest_allowed_step_size, trials->duration);
-    const double part = pow(SUGGEST_COVERED_PART, trials->error_growth_exponent);
-    const double h =
-        tvi_number_nearer_to_zero(scale * pow(trials->aimed_error * part / resolved_error, 1.0 / (search->order + 1)),
-                                  search->longest_allowed_step_size);
-    trials->run_length_in_steps = fabs(trials->run_end_abscissa / h);
-    return h;
+    tvi_options options;
+    tvi_integrator *it = NULL;
+    witness->status = tvi_options_named("taylor", WITNESS_ORDER, &options);
+    if (witness->status == TVI_OK) witness->status = tvi_integrator_create(&it, system, &options);
+    if (witness->status == TVI_OK) make_run(s, it, 0, tolerance, witness);
+    tvi_integrator_free(it);
 }
 
-/* Estimates the error that the roundoff of the time causes, in a system whose equations depend on the time. Each step
- * rounds the time anew, and the effects add up at random. If these effects may be large, one step at a shifted time
- * measures them. */
-static tvi_status measure_error_by_time_roundoff(suggestion_search *search)
+/* Returns the error of the run with h: the distance of the pair, and what is left of the error of the finer run if it
+ * is smaller by 1.5^(order/2), half of what the order says; or the distance from the witness, where it is larger than
+ * the witness's own error explains. A step of the witness is wrong by its last term, e^-5 of the tolerance; errors of
+ * the energy add up, and those along the orbit as their sum. Where that does not explain the distance, as in chaos, a
+ * second witness measures the error of the first. */
+static double error_of_pair(search *s, const tvi_system *system, const whole_run run[], whole_run witness[])
 {
-    tvi_trials *trials = &search->trials;
-    const tvi_orbit_scout *s = &trials->scout;
-    const double *const state = tvi_scout_state(s, s->hardest_step_index);
-    const double *const next = state + 2 * s->n + 1;
-    const double dt = fabs(next[2 * s->n] - state[2 * s->n]),
-                 h = s->state_abscissas[s->hardest_step_index + 1] - s->state_abscissas[s->hardest_step_index];
-    const double last = fmax(fabs(trials->start_time), fabs(trials->start_time + trials->duration)),
-                 ulp = DBL_EPSILON * last;
-    const double often = SUGGEST_TIME_BIAS * sqrt(fmax(fabs(trials->run_end_abscissa / h), 1)),
-                 shift = fmax(SUGGEST_TIME_SHIFT * dt, SUGGEST_TIME_SHIFT_UNITS * ulp);
-    double apart;
-    if (!trials->step_doubling.full_step_orbit.integrator->system->uses_time ||
-        often * ulp < SUGGEST_TIME_DOUBT * search->wanted_error * dt)
-        return TVI_OK;
-    const tvi_status status = tvi_measure_time_shift_distance(&trials->step_doubling, state, h, shift, &apart);
-    if (status != TVI_OK) return status;
-    const double time_roundoff_error = often * apart / shift * ulp / 2;
-    if (time_roundoff_error > search->wanted_error)
-        return jet_refuse(TVI_EINVAL, "error = %g is below what the roundoff of t = %g makes of such a run, about %.0e",
-                          search->wanted_error, last, time_roundoff_error);
-    trials->aimed_error = fmax(trials->aimed_error, time_roundoff_error);
-    trials->largest_roundoff_distance = fmax(trials->largest_roundoff_distance, apart / shift * ulp);
+    const double ratio = pow(FINER, s->order / 2.0), apart = distance(s, &run[0], &run[1]) / (1 - ratio),
+                 steps = (double)witness[0].steps,
+                 explained = fmax(WITNESS_TOLERANCE * exp(-5) * steps * steps / 2, fmax(10 * apart, s->wanted));
+    if (witness[0].status != TVI_OK) { /* distances that do not shrink with the order are no errors of it */
+        const double next = distance(s, &run[1], &run[2]);
+        return next <= fmax(apart * ratio, ROUNDOFF_DOUBT * roundoff_of(s, &run[0])) ? apart : 1;
+    }
+    if (distance(s, &run[0], &witness[0]) <= explained) return apart;
+    if (witness[1].steps == 0) make_witness(s, system, WITNESS_CHECKING, &witness[1]);
+    if (witness[1].status != TVI_OK) return apart;
+    const double from_witness = distance(s, &run[0], &witness[1]);
+    return from_witness > 3 * distance(s, &witness[0], &witness[1]) ? fmax(from_witness, apart) : apart;
+}
+
+/* ---- The search -------------------------------------------------------------------------------------------------- */
+
+/* Returns the first h. Gauss' quadrature of m nodes has the error rho^(-2m), where 4 radius / h = rho - 1/rho, with the
+ * distance `radius` of the nearest singularity in time; other methods of order 2m are no better. The steps of the
+ * witness are (tolerance / e^5)^(1/N) of the radius. */
+static double first_step(const search *s, const whole_run *witness)
+{
+    const double duration = s->plan->t_end - s->start[2 * s->n],
+                 radius = witness->smallest_step * pow(exp(5) / WITNESS_TOLERANCE, 1.0 / WITNESS_ORDER),
+                 rho = pow(fmax((double)witness->steps, 1) / (AIM * s->wanted), 1.0 / s->order),
+                 h = fmin(4 * radius / (rho - 1 / rho), fabs(duration));
+    return copysign(h, duration);
+}
+
+/* Returns a first h in s, or without a witness: one that the first step allows, and that does not pass t_end. */
+static double first_step_by_trials(search *s)
+{
+    const double duration = s->plan->t_end - s->start[2 * s->n];
+    const size_t n = (size_t)s->n;
+    double h = duration;
+    for (; fabs(h) > DBL_EPSILON * fabs(duration); h /= 2) {
+        double t = s->start[2 * n];
+        memcpy(s->last, s->start, 2 * n * sizeof *s->last);
+        tvi_integrator_reset(s->it);
+        if (tvi_step(s->it, h, &t, s->last, s->last + n) == TVI_OK && fabs(t - s->start[2 * n]) < fabs(duration))
+            return h;
+    }
+    return duration; /* which is refused, too */
+}
+
+/* Returns a step that is no longer than the plan allows. */
+static double limit_step(const search *s, double h)
+{
+    double most = s->plan->largest_step > 0 ? s->plan->largest_step : INFINITY;
+    if (!tvi_is_rescaled(s->it)) most = fmin(most, fabs(s->plan->t_end - s->start[2 * s->n]));
+    return copysign(fmin(fabs(h), most), h);
+}
+
+/* Makes the pair of runs with h and h/1.5, and without a witness one with h/2.25. */
+static tvi_status make_runs(search *s, double h, bool has_witness, whole_run run[])
+{
+    for (int k = 0; k < (has_witness ? 2 : 3); k++, h *= FINER) {
+        if (run[k].h != h) make_run(s, s->it, h, 0, &run[k]);
+        if (run[k].status != TVI_OK) return run[k].status;
+        if (!has_witness && run[k].steps < LEAST_STEPS) return jet_refuse(TVI_ETOOLARGE, "the run has too few steps");
+    }
     return TVI_OK;
 }
 
-static double step_size_spread_divisor(const suggestion_search *search)
+/* Returns the next step after one whose error is too large. */
+static double smaller_step(const search *s, double h, double measured, whole_run run[])
 {
-    const tvi_orbit_scout *s = &search->trials.scout;
-    double shortest = INFINITY, longest = 0;
-    for (int k = 0; k < s->step_count; k++)
-        shortest = fmin(shortest, fabs(s->resolving_step_size[k])),
-        longest = fmax(longest, fabs(s->resolving_step_size[k]));
-    return 1 + SUGGEST_SPREAD_WEIGHT * log(fmin(longest / shortest, SUGGEST_MAX_SPREAD));
+    const double factor = measured > LARGEST_DISTANCE ? FINER : pow(AIM * s->wanted / measured, 1.0 / s->order);
+    if (fabs(factor / FINER - 1) > 0.1) return h * fmax(factor, 1.0 / 4);
+    const whole_run coarse = run[0]; /* the finer runs are the next coarse ones */
+    run[0] = run[1];
+    run[1] = run[2];
+    run[2] = coarse;
+    return run[0].h;
 }
 
-/* Computes the final step size from the results of all trials. */
-static void complete_suggestion(suggestion_search *search, tvi_step_suggestion *suggestion)
+static tvi_status search_step(search *s, const tvi_system *system, whole_run run[], whole_run witness[], double *h,
+                              double *error)
 {
-    const double of_aim = pow(search->aimed_error / search->trials.aimed_error, 1.0 / search->order),
-                 unknown = search->is_suggestion_reliable ? 1 : SUGGEST_UNKNOWN_FACTOR;
-    suggestion->h = tvi_number_nearer_to_zero(suggestion->h * of_aim, search->longest_allowed_step_size) * unknown /
-                    step_size_spread_divisor(search);
-    if (search->longest_good_step_size != 0)
-        suggestion->h = suggestion->trial_step_size = search->longest_good_step_size,
-        suggestion->run_error_fraction = 1, suggestion->estimated_error = search->error_of_longest_good_step_size;
-    if (suggestion->explored_fraction > 1 - TRIAL_END) suggestion->explored_fraction = 1;
-}
-
-static tvi_status search_step_size(suggestion_search *search, tvi_step_suggestion *suggestion)
-{
-    tvi_trials *trials = &search->trials;
-    tvi_step_size_trial trial;
-    tvi_status status =
-        tvi_scout_explore_orbit(&trials->scout, &trials->step_doubling.full_step_orbit, trials->duration);
+    tvi_integrator *const it = s->it;
+    if (tvi_is_rescaled(it)) witness[0].status = TVI_EUNSUPPORTED;
+    else make_witness(s, system, WITNESS_TOLERANCE, &witness[0]);
+    s->it = it;
+    const bool has_witness = witness[0].status == TVI_OK;
+    bool is_found = false;
+    double least = INFINITY, before = INFINITY, h_before = 1;
+    double next = has_witness ? first_step(s, &witness[0]) : first_step_by_trials(s);
+    tvi_status status = TVI_OK;
+    for (int k = 0; k < MOST_PAIRS && !s->is_stopped; k++) {
+        next = limit_step(s, next);
+        s->is_stopped = !tvi_is_rescaled(it) &&
+                        fabs(s->plan->t_end - s->start[2 * s->n]) / fabs(next) > (double)(s->most_steps - s->steps);
+        if (s->is_stopped) break;
+        status = make_runs(s, next, has_witness, run);
+        if (s->is_stopped) status = TVI_OK;
+        if (s->is_stopped || (status != TVI_OK && !tvi_is_failure_of_member(status))) break;
+        if (status != TVI_OK) {
+            if (is_found || fabs(next) <= DBL_EPSILON * fabs(s->plan->t_end - s->start[2 * s->n])) break;
+            next /= 2;
+            continue;
+        }
+        const double measured = error_of_pair(s, system, run, witness), roundoff = roundoff_of(s, &run[0]),
+                     of_run = fmax(measured, roundoff);
+        s->it = it;
+        if (is_found && of_run > s->wanted) return TVI_OK;
+        if (of_run <= s->wanted || of_run < least) *h = next, *error = least = of_run;
+        if (of_run <= s->wanted) {
+            const double larger = limit_step(s, next * fmin(pow(AIM * s->wanted / of_run, 1.0 / s->order), 3));
+            if (of_run >= s->wanted / 100 || larger == next) return TVI_OK;
+            is_found = true; /* far too small: a larger step is tried */
+            next = larger;
+        } else {
+            const bool shrinks = measured <= before * pow(fabs(next / h_before), s->order / 2.0);
+            if (roundoff > s->wanted || (!shrinks && measured <= ROUNDOFF_DOUBT * roundoff)) break;
+            before = measured;
+            h_before = next;
+            next = smaller_step(s, next, measured, run);
+        }
+    }
+    if (is_found) return TVI_OK;
+    if (s->is_stopped && status == TVI_OK)
+        return jet_refuse(TVI_ESTOPPED, "the search for a step was stopped, with h = %g after %ld steps", next,
+                          s->steps);
     if (status != TVI_OK) return status;
-    double h = prepare_trials(search);
-    status = measure_error_by_time_roundoff(search);
-    if (status != TVI_OK) return status;
-    suggestion->explored_fraction = trials->scout.is_degree_too_low_for_tail ? 0 : trials->scout.explored_fraction;
-    do trial = tvi_make_step_size_trial(trials, h);
-    while (trial.status != TVI_ENOMEM && update_suggestion(search, &trial, &h, suggestion));
-    scale_error_by_growth(search, &trial, suggestion);
-    suggestion->step_count_spent_on_search = trials->step_doubling.tried_step_count;
-    if (trial.status == TVI_ENOMEM || trials->step_doubling.has_exhausted_memory)
-        return jet_explain_out_of_memory(TVI_ENOMEM);
-    if (search->roundoff_error > 0)
-        return jet_refuse(TVI_EINVAL, "error = %g is below roundoff, which makes about %.0e of such a run",
-                          search->wanted_error, search->roundoff_error);
-    complete_suggestion(search, suggestion);
-    if (suggestion->trial_step_size != 0) return TVI_OK;
-    return trial.status != TVI_OK ? trial.status : jet_refuse(TVI_ENOCONV, "no step was found that is right");
+    return jet_refuse(TVI_EROUNDOFF, "error = %g is below roundoff: the smallest error is about %.1e", s->wanted,
+                      least);
 }
 
 /* ---- The functions ----------------------------------------------------------------------------------------------- */
 
-static tvi_status open_suggestion_search(suggestion_search *search, const tvi_system *system,
-                                         const tvi_options *options)
+static tvi_status refuse_arguments(const tvi_system *system, const tvi_run_plan *plan, double t, const double q[],
+                                   const double p[], double error, const double *h, const double *measured)
 {
-    tvi_trials *trials = &search->trials;
-    const tvi_status status = tvi_step_doubling_open(&trials->step_doubling, system, options);
+    static const char *const name[] = {"system", "plan", "q", "p", "h", "measured"};
+    const void *const pointer[] = {system, plan, q, p, h, measured};
+    if (!system || !plan || !q || !p || !h || !measured) return tvi_refuse_first_null_pointer(6, pointer, name);
+    if (plan->h != 0 || plan->tolerance != 0 || plan->time_count != 0 || plan->D)
+        return jet_refuse(TVI_EINVAL, "the plan has an h, a tolerance, times or D: a step is searched for t_end");
+    if (plan->steps < 0 || !(plan->largest_step >= 0 && isfinite(plan->largest_step)))
+        return jet_refuse(TVI_EINVAL, "steps or largest_step is negative");
+    if (!isfinite(t)) return tvi_refuse_nonfinite_state(system->n, t, q, "p", p);
+    if (!isfinite(plan->t_end) || plan->t_end == t)
+        return jet_refuse(TVI_EINVAL, "duration = %g is 0 or not finite", plan->t_end - t);
+    if (!(fabs(plan->t_end - t) > LEAST_STEPS * DBL_EPSILON * fabs(t)))
+        return jet_refuse(TVI_EINVAL, "duration = %g is roundoff of t = %g", plan->t_end - t, t);
+    if (!(error >= DBL_EPSILON && error < 1))
+        return jet_refuse(TVI_EINVAL, "error = %g is below DBL_EPSILON or not below 1", error);
+    return tvi_refuse_nonfinite_state(system->n, t, q, "p", p);
+}
+
+tvi_status tvi_measure_step(const tvi_system *system, const tvi_options *options, const tvi_run_plan *plan, double t,
+                            const double q[], const double p[], double error, double *h, double *measured)
+{
+    tvi_integrator *it;
+    tvi_status status = refuse_arguments(system, plan, t, q, p, error, h, measured);
+    if (status == TVI_OK) status = tvi_integrator_create(&it, system, options);
     if (status != TVI_OK) return status;
-    const tvi_options *resolved = &trials->step_doubling.full_step_orbit.integrator->options;
-    search->order = resolved->order;
-    search->curve_degree = fmax(1, resolved->degree);
-    search->aimed_error =
-        (trials->step_doubling.is_rescaled ? SUGGEST_AIM_RESCALED : SUGGEST_AIM) * search->wanted_error;
-    trials->is_driven = system->is_driven;
-    trials->error_growth_exponent =
-        trials->step_doubling.is_rescaled ? TRIAL_GROWTH_EXPONENT_RESCALED : TRIAL_GROWTH_EXPONENT;
-    trials->largest_roundoff_distance = SUGGEST_ROUNDOFF;
-    trials->aimed_error = fmax(search->aimed_error, SUGGEST_ROUNDOFF * pow(TVI_STEPS_OF_TRIAL / TRIALS_PART_OF_RUN,
-                                                                           trials->error_growth_exponent));
-    trials->scout = (tvi_orbit_scout){.n = system->n, .explored_states = trials->step_doubling.memory_of_scout_states};
-    return TVI_OK;
-}
-
-tvi_status tvi_compute_step_suggestion(const tvi_system *system, const tvi_options *options, double t, const double q[],
-                                       const double p[], double duration, double wanted_error,
-                                       tvi_step_suggestion *suggestion)
-{
-    suggestion_search search = {.trials = {.start_time = t, .duration = duration}, .wanted_error = wanted_error};
-    tvi_step_doubling *pair = &search.trials.step_doubling;
-    *suggestion = (tvi_step_suggestion){0};
-    tvi_status status = open_suggestion_search(&search, system, options);
-    if (status == TVI_OK) status = tvi_refuse_nonfinite_state(system->n, t, q, "p", p);
-    if (status == TVI_OK) {
-        pair->full_step_orbit.t = t;
-        memcpy(pair->full_step_orbit.q, q, (size_t)system->n * sizeof *q);
-        memcpy(pair->full_step_orbit.p, p, (size_t)system->n * sizeof *p);
-        status = search_step_size(&search, suggestion);
-    }
-    tvi_step_doubling_close(pair);
-    return status;
-}
-
-tvi_status tvi_suggest_step_seen(const tvi_system *system, const tvi_options *options, double t, const double q[],
-                                 const double p[], double duration, double wanted_error, double *h, double *seen)
-{
-    static const char *const name[] = {"system", "q", "p", "h", "seen"};
-    const void *const pointer[] = {system, q, p, h, seen};
-    tvi_step_suggestion found;
-    if (!system || !q || !p || !h || !seen) return tvi_refuse_first_null_pointer(5, pointer, name);
-    if (duration == 0 || !isfinite(duration))
-        return jet_refuse(TVI_EINVAL, "duration = %g is 0 or not finite", duration);
-    if (isfinite(t) && !(fabs(duration) > TRIALS_MIN_STEPS * DBL_EPSILON * fabs(t)))
-        return jet_refuse(TVI_EINVAL, "duration = %g is roundoff of t = %g", duration, t);
-    if (!(wanted_error >= DBL_EPSILON && wanted_error < 1))
-        return jet_refuse(TVI_EINVAL, "error = %g is below DBL_EPSILON or not below 1", wanted_error);
-    const tvi_status status = tvi_compute_step_suggestion(system, options, t, q, p, duration, wanted_error, &found);
-    if (status == TVI_OK) *h = found.h, *seen = found.explored_fraction;
+    const size_t n = (size_t)system->n, state = 2 * n + 1;
+    double *memory = calloc(7 * state, sizeof *memory), found_h = 0, found_error = 0;
+    if (memory) {
+        whole_run run[] = {{.end = memory}, {.end = memory + state}, {.end = memory + 6 * state}},
+                  witness[] = {{.end = memory + 2 * state}, {.end = memory + 3 * state}};
+        search s = {.plan = plan,
+                    .n = system->n,
+                    .order = it->options.order,
+                    .most_steps = plan->steps > 0 ? plan->steps : MOST_STEPS,
+                    .start = memory + 4 * state,
+                    .wanted = error,
+                    .it = it,
+                    .last = memory + 5 * state};
+        memcpy(memory + 4 * state, q, n * sizeof *q);
+        memcpy(memory + 4 * state + n, p, n * sizeof *p);
+        memory[4 * state + 2 * n] = t;
+        status = search_step(&s, system, run, witness, &found_h, &found_error);
+    } else status = jet_explain_out_of_memory(TVI_ENOMEM);
+    free(memory);
+    tvi_integrator_free(it);
+    if (found_h != 0) *h = found_h, *measured = found_error;
     return status;
 }
 
 tvi_status tvi_suggest_step(const tvi_system *system, const tvi_options *options, double t, const double q[],
-                            const double p[], double duration, double wanted_error, double *h)
+                            const double p[], double duration, double error, double *h)
 {
-    double seen;
-    return tvi_suggest_step_seen(system, options, t, q, p, duration, wanted_error, h, &seen);
+    double found = 0, measured;
+    const tvi_run_plan plan = {.t_end = t + duration};
+    if (!h) return jet_refuse(TVI_EINVAL, "h is NULL");
+    if (duration == 0 || !isfinite(duration))
+        return jet_refuse(TVI_EINVAL, "duration = %g is 0 or not finite", duration);
+    const tvi_status status = tvi_measure_step(system, options, &plan, t, q, p, error, &found, &measured);
+    if (found != 0) *h = found;
+    return status;
 }

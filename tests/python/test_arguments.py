@@ -262,14 +262,14 @@ class Arguments(unittest.TestCase):
         fall = tvi.solve(tvi.potential(1, lambda q: -1 / q[0]), (0, 2), [1], 0, tolerance=1e-10)
         self.assertTrue(fall.message.endswith(": end the run before that by a terminal event."), fall.message)
 
-    def test_part_that_was_looked_at(self):
+    def test_error_that_was_measured(self):
         """A run that is refused says it as one that reaches its end does."""
         steep = tvi.potential(1, lambda q: np.cosh(30 * q[0]))
         for h, status in ((0.01, 0), (0.7, -1)):
-            with mock.patch.object(_solve, "suggest_step", return_value=(h, 0.0125)):
+            with mock.patch.object(_solve, "measured_step", return_value=(h, 0.012, None)):
                 run = tvi.solve(steep, (0, 10), [0.01], 0, error=1e-6)
             self.assertEqual(run.status, status)
-            self.assertTrue(run.message.endswith(" 1.2 % of the run were looked at to choose the step."), run.message)
+            self.assertTrue(run.message.endswith(" The error at the end was measured: 1.2e-02."), run.message)
 
     def test_not_finite_where_it_begins(self):
         bad = tvi.force(1, lambda q, t: [np.log(np.cosh(1000 * (1 - t)))])

@@ -76,7 +76,25 @@ class Solve(unittest.TestCase):
             found = np.abs(result.q_end - exact).max() / np.abs(result.q).max()
             self.assertLess(found, error)
             self.assertTrue(0.5 * found < result.end_error() + 1e-12 and result.end_error() < error)
-            self.assertTrue(0 < result.seen <= 1 and ("looked at" in result.message) == (result.seen < 1))
+            self.assertTrue(found / 2 < result.error <= error and "was measured" in result.message)
+
+    def test_smallest_error(self):
+        """Without an error a run takes 1e-9 or what roundoff allows; with one it is refused."""
+        long = tvi.solve(kepler(), (0, 1e5), [1, 0], [0, 0.8])
+        self.assertTrue(long.success and 1e-9 < long.error < 1e-8, long.error)
+        with self.assertRaises(tvi.Error) as raised:
+            tvi.solve(kepler(), (0, 1e5), [1, 0], [0, 0.8], error=1e-11)
+        self.assertEqual(raised.exception.status, "EROUNDOFF")
+
+    def test_largest_step(self):
+        """What is too short to be seen between steps; and h is the step itself."""
+        pulse = spring().driven(lambda q, v, t: [20 * np.exp(-((t - 30.123) / 0.01) ** 2)])
+        right = tvi.solve(pulse, (0, 50), [1], 0, h=0.002).q_end
+        for way in ({"error": 1e-8}, {"tolerance": 1e-10}):
+            bounded = tvi.solve(pulse, (0, 50), [1], 0, largest_step=0.02, **way)
+            self.assertLess(np.abs(bounded.q_end - right).max(), 1e-7)
+        with self.assertRaises(TypeError):
+            tvi.solve(pulse, (0, 50), [1], 0, h=0.1, largest_step=0.02)
 
     def test_many_steps(self):
         """After 10,000 steps every k-th is kept, at even distances, and sol knows all between."""

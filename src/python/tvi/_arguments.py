@@ -22,8 +22,7 @@ _COUNTERPARTS = {name: text for names, text in {
     "y0 x0 u0 z0 state": "the start is q0= and p0= or v0= of tvi.solve, q= and p= or v= of tvi.Integrator",
     "fun func f rhs": "the first argument is a system, as tvi.potential and its like make it of a function",
     "tspan t0 t1 tf tmax tfinal": "t_span=(t, t_end) of tvi.solve, t= of tvi.Integrator and t_end= of its runs",
-    "max_step dtmax hmax": "h= is the step itself, and largest_step= bounds those to a tolerance in the run() of "
-                           "tvi.Integrator and tvi.Ensemble",
+    "max_step dtmax hmax": "h= is the step itself, and largest_step= bounds those of error= and tolerance=",
     "min_step first_step dt dtmin hmin step stepsize step_size": "h= is the step",
     "args params": "parameters are given by their names, as k=2.0",
     "jac jacobian Dfun": "derivatives are recorded with the function, and none are given",

@@ -115,8 +115,8 @@ tvi_status tvi_compile(tvi_compiled **out, const tvi_system *system, const tvi_o
 tvi_status tvi_compiled_write(const tvi_system *system, const tvi_options *options, const char *name, const char *path);
 void tvi_compiled_free(tvi_compiled *compiled);
 int tvi_taylor_order(double tolerance);
-tvi_status tvi_suggest_step_seen(const tvi_system *system, const tvi_options *options, double t, const double q[],
-                          const double p[], double duration, double error, double *h, double *seen);
+tvi_status tvi_measure_step(const tvi_system *system, const tvi_options *options, const tvi_run_plan *plan, double t,
+                            const double q[], const double p[], double error, double *h, double *measured);
 """
 
 INTEGRATORS = """

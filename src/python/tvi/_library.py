@@ -57,8 +57,8 @@ lib = _load()
 # ---- Errors ----------------------------------------------------------------------------------------------------------
 
 STATUSES = ("OK", "EINVAL", "ENOMEM", "EDOMAIN", "ENOCONV", "ESINGULAR", "ENONFINITE", "ESTOPPED", "EUNSUPPORTED",
-            "ETOOLARGE", "ECOMPILE")
-OK, EINVAL, ENOMEM, ENOCONV, ESTOPPED, ETOOLARGE = 0, 1, 2, 4, 7, 9
+            "ETOOLARGE", "ECOMPILE", "EROUNDOFF")
+OK, EINVAL, ENOMEM, ENOCONV, ESTOPPED, ETOOLARGE, EROUNDOFF = 0, 1, 2, 4, 7, 9, 11
 
 
 class Error(RuntimeError):

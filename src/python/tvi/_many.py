@@ -11,9 +11,9 @@ from ._alike import Stats
 from ._arguments import answered, starts_of_many
 from ._arrays import Array, integer, spread
 from ._ensemble import Ensemble
-from ._events import Found, events_of, found
+from ._events import Found, Recorded, events_of, found
 from ._library import Interrupted, check
-from ._methods import Compiled, Method, method_to, suggest_step
+from ._methods import Compiled, Method, measured_step, method_to
 from ._recorder import Progress
 from ._runs import Course, Way, advice, new_plan
 from ._solve import _times, span_of, step_of, steps_of
@@ -26,11 +26,11 @@ class EnsembleResult:
     t [k], q and p [member, k, n] at the times of t_eval; without it t is the end, and q and p are [member, n]. Where a
     member did not come to a time, its numbers there are nan. events: for each function its t, q, p and member, member
     after member. status [member]: "OK", "ESTOPPED" by a terminal event, or as tvi.Error.status. success: whether none
-    failed. message, stats: as of tvi.Result. h: the step; seen: the smallest part of a run that was looked at to choose
+    failed. message, stats: as of tvi.Result. h: the step; error: the largest that was measured to choose
     it. orbits: the tvi.Ensemble at the end, which may go on from there; its t, q and p are the last good states."""
 
-    def __init__(self, orbits: Ensemble, t: np.ndarray, h: float, seen: float | None):
-        self.orbits, self.t, self.h, self.seen = orbits, t, h, seen
+    def __init__(self, orbits: Ensemble, t: np.ndarray, h: float, error: float | None):
+        self.orbits, self.t, self.h, self.error = orbits, t, h, error
         self.q = self.p = np.empty(0)
         self.events: list[Found] = []
         self.status, self.message = orbits.status, ""
@@ -65,18 +65,19 @@ def ensemble(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Arr
     ((5, 2), array([7, 4, 3, 2, 2]))
     """
     t, t_end = span_of(system, t_span)
+    is_default = h is None and error is None and tolerance is None
     h, error, tolerance = steps_of(system, t_end - t, h, error, tolerance)
     times, several = _times(t_eval, t, t_end), events_of(events)
     method = method_to(tolerance, system, method, order)
     if tolerance is not None and times is not None:
         raise ValueError("a run to a tolerance has no t_eval in an ensemble: give h or error")
     orbits = _orbits(system, q0, p0, v0, parameters, t=t, method=method, threads=threads, compiled=compiled)
-    seen = None
+    measured = None
     if tolerance is None:
         if h is None:
-            h, seen = _smallest_step(orbits, parameters, t_end - t, error, method)
+            h, measured = _smallest_step(orbits, parameters, t_end - t, error, method, several, is_default)
             h = math.copysign(h, t_end - t)
-    result = EnsembleResult(orbits, np.array([t_end]) if times is None else times, h or math.nan, seen)
+    result = EnsembleResult(orbits, np.array([t_end]) if times is None else times, h or math.nan, measured)
     _run(orbits, result, times, t_end, tolerance, several, Progress(progress, t, t_end))
     return result
 
@@ -88,18 +89,23 @@ def _orbits(system: System, q0: Array, p0: Array, v0: Array, parameters: dict[st
     return Ensemble(system, q0, p0, v=v0, members=members, **options, **parameters)
 
 
-def _smallest_step(orbits: Ensemble, parameters: dict[str, Any], duration: float, error: float,
-                   method: Method) -> tuple[float, float]:
-    """For parameters that differ each member has a system of its own."""
+def _smallest_step(orbits: Ensemble, parameters: dict[str, Any], duration: float, error: float, method: Method,
+                   events: list, is_default: bool) -> tuple[float, float]:
+    """The smallest step of a member, and the largest error that was measured. For parameters that differ each member
+    has a system of its own."""
     if duration == 0:
-        return 1.0, 1.0
+        return 1.0, 0.0
     shapes = {name: np.shape(value) for name, value in orbits.system.parameters.items()}
     each = {name: spread(name, value, orbits.members, *shapes[name]) for name, value in parameters.items()}
     steps = []
     for m in range(orbits.members):
         system = orbits.system.recorded_with({name: value[m] for name, value in each.items()})
-        steps.append(suggest_step(system, orbits.t[m], orbits.q[m], orbits.p[m], duration, error, method))
-    return min(abs(h) for h, _ in steps), min(seen for _, seen in steps)
+        h, measured, refusal = measured_step(system, orbits.t[m], orbits.q[m], orbits.p[m], duration, error, method,
+                                             Recorded(system, events), None)
+        if refusal and not is_default:
+            raise refusal
+        steps.append((abs(h), measured))
+    return min(h for h, _ in steps), max(measured for _, measured in steps)
 
 
 def _run(orbits: Ensemble, result: EnsembleResult, times: np.ndarray | None, t_end: float, tolerance: float | None,

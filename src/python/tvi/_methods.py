@@ -6,7 +6,8 @@ import os
 from typing import Any
 
 from ._arrays import Array, fraction, integer, number, numbers, pointer
-from ._library import Handle, apart, check, ffi, lib, make
+from ._events import Recorded, events_of
+from ._library import Error, Guard, Handle, apart, check, ffi, lib, make
 from ._systems import System
 
 # The names of what tvi_options has as numbers.
@@ -111,31 +112,56 @@ def taylor_order(tolerance: float) -> int:
 
 
 def suggest_step(system: System, t: float, q: Array, p: Array, duration: float, error: float,
-                 method: "str | Method" = "galerkin", order: int = 16) -> tuple[float, float]:
-    """The step of a run of that duration whose error at its end is the wanted one, and the part of the duration,
-    above 0 to 1, that was looked at for it: encounters may follow in the rest.
+                 method: "str | Method" = "galerkin", order: int = 16, events: Any = (),
+                 largest_step: float | None = None) -> tuple[float, float]:
+    """The step of a run of that duration whose error at its end is at most the wanted one, and that error, measured.
 
-    The error is the largest one of a coordinate (a momentum) relative to the largest coordinate (momentum). q, p: [n].
-    The step is in the unit of t, of a rescaled system in s, and has the sign of the duration. Raises tvi.Error: EINVAL
-    for an error below roundoff, others as a step does.
+    The error is the largest one of a coordinate (a momentum) relative to the largest coordinate (momentum) of the
+    orbit. It is measured by whole runs, which cost 3 to 6 of the final one. q, p: [n]. events: the terminal ones end
+    the runs. largest_step: no step is larger. The step is in the unit of t, of a rescaled system in s, and has the sign
+    of the duration. Raises tvi.Error: EROUNDOFF where roundoff makes more of the run, others as a step does.
 
     >>> import numpy as np, tvi
     >>> kepler = tvi.potential(2, lambda q: -1 / np.sqrt(q @ q))
-    >>> h, seen = tvi.suggest_step(kepler, 0, [1, 0], [0, 0.8], 100, 1e-9)
-    >>> 0.1 < h < 0.4
-    True
+    >>> h, measured = tvi.suggest_step(kepler, 0, [1, 0], [0, 0.8], 100, 1e-9)
+    >>> 0.1 < h < 0.4, measured < 1e-9
+    (True, True)
     """
-    options = method_of(method, order)._options
+    h, measured, refusal = measured_step(system, t, q, p, duration, error, method_of(method, order),
+                                         Recorded(system, events_of(events)), largest_step)
+    if refusal:
+        raise refusal
+    return h, measured
+
+
+def measured_step(system: System, t: float, q: Array, p: Array, duration: float, error: float, method: Method,
+                  events: Recorded, largest_step: float | None) -> tuple[float, float, Error | None]:
+    """What tvi_measure_step finds: h, the measured error, and what it says where that is above the wanted one for
+    roundoff alone."""
     q, p = numbers("q", q, system.n), numbers("p", p, system.n)
     t, duration, error = number("t", t), number("duration", duration), fraction("error", error)
-    h, seen = ffi.new("double *"), ffi.new("double *")
+    h, measured = ffi.new("double *"), ffi.new("double *")
+    guard = Guard()
+    plan = ffi.new("tvi_run_plan *")
+    plan.size, plan.t_end = ffi.sizeof("tvi_run_plan"), t + duration
+    plan.largest_step = 0.0 if largest_step is None else number("largest_step", largest_step)
+    if events.count:
+        plan.events, plan.event_count = events.pointer, events.count
+    heard = guard.callback("tvi_member_observer *", lambda *_: 1 if guard.thrown is not None else 0, 1)
+    plan.at_step = heard
 
-    def call() -> None:
-        check(lib.tvi_suggest_step_seen(system._handle.pointer, options, t, pointer(q), pointer(p), duration, error,
-                                        h, seen))
+    def call() -> Error | None:  # The text of a refusal belongs to the thread.
+        try:
+            check(lib.tvi_measure_step(system._handle.pointer, method._options, plan, t, pointer(q), pointer(p), error,
+                                       h, measured))
+        except Error as refusal:
+            if refusal.status != "EROUNDOFF" and guard.thrown is None:
+                raise
+            return refusal
+        return None
 
-    apart(call)
-    return h[0], seen[0]
+    refusal = apart(call, guard)
+    return h[0], measured[0], refusal
 
 
 # ---- Compiled systems ------------------------------------------------------------------------------------------------
