@@ -33,6 +33,15 @@ suggest: need-library
 	@cat $(BUILD)/bench/choosing/suggest.md
 .PHONY: suggest
 
+# the table of docs/adaptive.md of runs to a tolerance that meet narrow forces
+tolerance: need-library all
+	$(call need,$(foreach package,numpy cffi matplotlib,'python3-$(package):$(HAS_PYTHON)') \
+	    'python3-scipy:/usr/bin/python3 -c "import scipy"')
+	@mkdir -p $(BUILD)/bench/tolerance
+	$(PYTHON_HERE) /usr/bin/python3 -W ignore bench/tolerance/tolerance.py $(BUILD)/bench/tolerance/tolerance.md
+	@cat $(BUILD)/bench/tolerance/tolerance.md
+.PHONY: tolerance
+
 # the table and the picture of docs/order-doubling.md
 order-doubling: need-bench
 	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/bench/order_doubling/order_doubling

@@ -43,17 +43,32 @@ typedef struct {
     double part;
     bool compiled;
     int problems;
+    double tolerance; /* other than 0: steps that adapt, over the same time */
 } way;
-enum { GALERKIN, COMPILED, MIDPOINT_12, MIDPOINT_20, POINCARE, TAYLOR, COMPILED_MIDPOINT, COMPILED_TAYLOR, WAYS };
+enum {
+    GALERKIN,
+    COMPILED,
+    MIDPOINT_12,
+    MIDPOINT_20,
+    POINCARE,
+    TAYLOR,
+    COMPILED_MIDPOINT,
+    COMPILED_TAYLOR,
+    TOLERANCE_6,
+    TOLERANCE_12,
+    WAYS
+};
 static const way ways[WAYS] = {
-    [GALERKIN] = {"galerkin on the tape", "galerkin", 16, 1, false, PROBLEMS},
-    [COMPILED] = {"compiled", "galerkin", 16, 1, true, PROBLEMS},
-    [MIDPOINT_12] = {"midpoint 12", "midpoint", 12, 0.5, false, PROBLEMS},
-    [MIDPOINT_20] = {"midpoint 20", "midpoint", 20, 1, false, PROBLEMS},
-    [POINCARE] = {"poincare 20", "poincare", 20, 1, false, PROBLEMS - 1},
-    [TAYLOR] = {"taylor", "taylor", 12, 0.25, false, PROBLEMS},
-    [COMPILED_MIDPOINT] = {"compiled midpoint", "midpoint", 12, 0.5, true, PROBLEMS},
-    [COMPILED_TAYLOR] = {"compiled taylor", "taylor", 12, 0.25, true, PROBLEMS},
+    [GALERKIN] = {"galerkin on the tape", "galerkin", 16, 1, false, PROBLEMS, 0},
+    [COMPILED] = {"compiled", "galerkin", 16, 1, true, PROBLEMS, 0},
+    [MIDPOINT_12] = {"midpoint 12", "midpoint", 12, 0.5, false, PROBLEMS, 0},
+    [MIDPOINT_20] = {"midpoint 20", "midpoint", 20, 1, false, PROBLEMS, 0},
+    [POINCARE] = {"poincare 20", "poincare", 20, 1, false, PROBLEMS - 1, 0},
+    [TAYLOR] = {"taylor", "taylor", 12, 0.25, false, PROBLEMS, 0},
+    [COMPILED_MIDPOINT] = {"compiled midpoint", "midpoint", 12, 0.5, true, PROBLEMS, 0},
+    [COMPILED_TAYLOR] = {"compiled taylor", "taylor", 12, 0.25, true, PROBLEMS, 0},
+    [TOLERANCE_6] = {"tolerance 1e-6", "taylor", 8, 1, false, PROBLEMS, 1e-6},
+    [TOLERANCE_12] = {"tolerance 1e-12", "taylor", 15, 1, false, PROBLEMS, 1e-12},
 };
 
 /* An orbit of Kepler's problem with e = 0.9 takes 8.37 in s of r^(3/2). The automatic g is that divided by 5^(1/4).
@@ -252,7 +267,9 @@ static tvi_status run_integrators(work *w)
         double t = 0, q[COORDINATES_MOST], p[COORDINATES_MOST];
         for (int i = 0; i < w->n; i++) q[i] = spread(m) * w->start_q[i], p[i] = w->start_p[i];
         tvi_integrator_reset(w->integrators[m]);
-        status = tvi_integrate(w->integrators[m], w->h, w->steps, &t, q, p, NULL, NULL);
+        const double tolerance = w->of.way->tolerance, end = w->h * (double)w->steps;
+        status = tolerance > 0 ? tvi_integrate_tolerance(w->integrators[m], tolerance, end, &t, q, p, NULL, NULL)
+                               : tvi_integrate(w->integrators[m], w->h, w->steps, &t, q, p, NULL, NULL);
     }
     return status;
 }

@@ -262,6 +262,7 @@ static tvi_status search_step(search *s, const tvi_system *system, whole_run run
     if (tvi_is_rescaled(it)) witness[0].status = TVI_EUNSUPPORTED;
     else make_witness(s, system, WITNESS_TOLERANCE, &witness[0]);
     s->it = it;
+    if (witness[0].status == TVI_ENOMEM) return jet_explain_out_of_memory(TVI_ENOMEM);
     const bool has_witness = witness[0].status == TVI_OK;
     bool is_found = false;
     double least = INFINITY, before = INFINITY, h_before = 1;
@@ -283,6 +284,7 @@ static tvi_status search_step(search *s, const tvi_system *system, whole_run run
         const double measured = error_of_pair(s, system, run, witness), roundoff = roundoff_of(s, &run[0]),
                      of_run = fmax(measured, roundoff);
         s->it = it;
+        if (witness[1].status == TVI_ENOMEM) return jet_explain_out_of_memory(TVI_ENOMEM);
         if (is_found && of_run > s->wanted) return TVI_OK;
         if (of_run <= s->wanted || of_run < least) *h = next, *error = least = of_run;
         if (of_run <= s->wanted) {
@@ -298,7 +300,7 @@ static tvi_status search_step(search *s, const tvi_system *system, whole_run run
             next = smaller_step(s, next, measured, run);
         }
     }
-    if (is_found) return TVI_OK;
+    if (is_found && status != TVI_ENOMEM) return TVI_OK;
     if (s->is_stopped && status == TVI_OK)
         return jet_refuse(TVI_ESTOPPED, "the search for a step was stopped, with h = %g after %ld steps", next,
                           s->steps);
@@ -356,7 +358,7 @@ tvi_status tvi_measure_step(const tvi_system *system, const tvi_options *options
     } else status = jet_explain_out_of_memory(TVI_ENOMEM);
     free(memory);
     tvi_integrator_free(it);
-    if (found_h != 0) *h = found_h, *measured = found_error;
+    if (found_h != 0 && status != TVI_ENOMEM) *h = found_h, *measured = found_error;
     return status;
 }
 
