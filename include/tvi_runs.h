@@ -196,21 +196,22 @@ TVI_NODISCARD tvi_status tvi_run(tvi_integrator *integrator, const tvi_run_plan 
  * The whole run is made several times: once by "taylor" to a tolerance of 1e-6, whose steps see what is short and
  * narrow, and in pairs with h and h / 1.5, the distance of whose ends is the error of h. Where roundoff may make more,
  * *measured is what the random walk of the rounded impulses makes (docs/roundoff.md), to a factor of 3 or so. h is made
- * smaller by the order of the method until the error is at most the wanted one, by half where a step is refused or
- * takes more than 20 passes, and larger once if the error is below a hundredth of it. That costs 3 to 6 runs with the
- * final h (docs/choosing.md). For runs of hours give a shorter one: errors of regular orbits grow as t, roundoff as
- * t^(3/2).
+ * smaller by the order of the method until the error is at most the wanted one, by half where a step is refused or a
+ * step takes more than 20 passes in the mean, and larger while the error is below a hundredth of it. That costs about 4
+ * runs with the final h (docs/choosing.md). For runs of hours give a shorter one: errors of regular orbits grow as t,
+ * roundoff as t^(3/2).
  *
  * Of the plan are read t_end; events; largest_step, which h does not exceed, for pushes in time that fall between the
- * steps of all runs; steps, the most that all runs may make, 0: any number; at_step and ctx: at_step is called once in
- * 1024 steps and after each run, with member 0, the number of steps of all runs and the state, and a value other than 0
- * ends the search. Its other observers are not called. TVI_EROUNDOFF  roundoff makes more of the run: *h and *measured
- * are those of the smallest error that was found TVI_ESTOPPED   at_step ended the search, or the steps are used up: *h
- * and *measured are those of the smallest error
+ * steps of all runs; steps, the most that all runs may make, 0: 10^8; at_step and ctx: at_step is called once in 1024
+ * steps and after each run, with member 0, the number of steps of all runs and the state, and a value other than 0 ends
+ * the search. Its other observers are not called.
+ *   TVI_EROUNDOFF  roundoff makes more of the run: *h and *measured are those of the smallest error that was found
+ *   TVI_ESTOPPED   at_step ended the search, or the steps are used up: *h and *measured are those of the smallest error
  *                  that was found, if there is one, and as they were if not
- * TVI_EINVAL     NULL, a plan with h, tolerance, times or D, a duration that is 0, not finite or roundoff of t, an
+ *   TVI_EINVAL     NULL, a plan with h, tolerance, times or D, a duration that is 0, not finite or roundoff of t, an
  *                  error below DBL_EPSILON or not below 1
- * TVI_ENOMEM     no memory others         as of tvi_integrator_create, and of tvi_step if no size of it is accepted */
+ *   TVI_ENOMEM     no memory
+ *   others         as of tvi_integrator_create, and of tvi_step if no size of it is accepted */
 TVI_NODISCARD tvi_status tvi_measure_step(const tvi_system *system, const tvi_options *options,
                                           const tvi_run_plan *plan, double t, const double q[], const double p[],
                                           double error, double *h, double *measured);

@@ -12,10 +12,10 @@
 
 /* [passes] Newton's method fails after this many passes. */
 #define NEWTON_MAX_PASSES 64 /* found: make check-generating */
-/* [Jacobians] The most that a step renews, after passes that did not contract. */
+/* [Jacobians] The most that a step renews, after passes that did not contract; and how often its tests of convergence
+ * begin anew. */
 #define NEWTON_MAX_REFRESHES 3 /* found: make check-generating */
-/* [1] A scale is taken again if the size of its unknown falls below this part of it, for which a correction has to move
- * the unknown by this part at least. */
+/* [1] Scales are computed again after a correction larger than this part of one. */
 #define NEWTON_SAME_SCALE 0.5 /* found: make check-generating */
 /* [1] Corrections that no longer shrink are roundoff if they are at most this part of the largest unknowns, or of the
  * numbers from which the residual is computed. */
@@ -63,7 +63,7 @@ static void raise_small_scales(const tvi_newton *newton, int begin, int end)
 
 /* Computes the scales of the unknowns: their natural sizes at the prediction. If a correction has moved an unknown by
  * about its scale (NEWTON_SAME_SCALE), the prediction said nothing of it, and its size at the new point is its scale,
- * if that is less than half of it. A larger size is not: where the series diverge, their terms have any size, and each
+ * if that is less. A larger size is not: where the series diverge, their terms have any size, and each
  * correction would be small beside it. *fell becomes true if a scale is less than before. Fails if a size is not
  * finite, beside which each correction would be nothing. */
 static tvi_status compute_scales(tvi_newton *newton, const tvi_equations *equations, bool is_first, bool *fell)
@@ -73,7 +73,7 @@ static tvi_status compute_scales(tvi_newton *newton, const tvi_equations *equati
     equations->scale(equations->self, sizes);
     if (!tvi_all_finite(newton->size, sizes)) return TVI_ENONFINITE;
     for (int i = 0; i < newton->size; i++)
-        if (sizes[i] > 0 && sizes[i] < NEWTON_SAME_SCALE * newton->scale[i]) {
+        if (sizes[i] > 0 && sizes[i] < newton->scale[i]) {
             newton->scale[i] = sizes[i];
             *fell = true;
         }
@@ -289,7 +289,7 @@ static tvi_status compute_correction(tvi_newton *newton, const tvi_equations *eq
 tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, tvi_stats *stats)
 {
     newton_progress record = begin_passes(newton);
-    int refreshes = 0;
+    int refreshes = 0, restarts = 0;
     bool is_stuck = false, needs_scales = true;
     for (int count = 1; count <= newton->unknown_rule.max_passes; count++) {
         refreshes += is_stuck;
@@ -299,7 +299,8 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
         if (status == TVI_OK && needs_scales) status = compute_scales(newton, equations, count == 1, &fell);
         if (status == TVI_OK) status = compute_correction(newton, equations, newton->has_jacobian && is_stuck, stats);
         if (status != TVI_OK) return status;
-        if (fell) forget_sizes(&record, &newton->unknown_rule);
+        /* A correction of roundoff may be as large as a small scale, and make it fall for ever. */
+        if (fell && restarts++ < NEWTON_MAX_REFRESHES) forget_sizes(&record, &newton->unknown_rule);
         const correction_sizes sizes = measure_corrections(newton, newton->scale);
         stats->residual = sizes.unknown;
         tvi_passes_verdict verdict = judge_pass(&record, newton, &sizes);
