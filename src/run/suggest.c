@@ -166,11 +166,12 @@ static double roundoff_of(const search *s, const whole_run *run)
 static void make_witness(search *s, const tvi_system *system, double tolerance, whole_run *witness)
 {
     tvi_options options;
-    tvi_integrator *it = NULL;
+    tvi_integrator *it = NULL, *const of_search = s->it;
     witness->status = tvi_options_named("taylor", WITNESS_ORDER, &options);
     if (witness->status == TVI_OK) witness->status = tvi_integrator_create(&it, system, &options);
     if (witness->status == TVI_OK) make_run(s, it, 0, tolerance, witness);
     tvi_integrator_free(it);
+    s->it = of_search;
 }
 
 /* Returns the error of the run with h: the distance of the pair, and what is left of the error of the finer run if it
@@ -261,7 +262,6 @@ static tvi_status search_step(search *s, const tvi_system *system, whole_run run
     tvi_integrator *const it = s->it;
     if (tvi_is_rescaled(it)) witness[0].status = TVI_EUNSUPPORTED;
     else make_witness(s, system, WITNESS_TOLERANCE, &witness[0]);
-    s->it = it;
     if (witness[0].status == TVI_ENOMEM) return jet_explain_out_of_memory(TVI_ENOMEM);
     const bool has_witness = witness[0].status == TVI_OK;
     bool is_found = false;
@@ -283,7 +283,6 @@ static tvi_status search_step(search *s, const tvi_system *system, whole_run run
         }
         const double measured = error_of_pair(s, system, run, witness), roundoff = roundoff_of(s, &run[0]),
                      of_run = fmax(measured, roundoff);
-        s->it = it;
         if (witness[1].status == TVI_ENOMEM) return jet_explain_out_of_memory(TVI_ENOMEM);
         if (is_found && of_run > s->wanted) return TVI_OK;
         if (of_run <= s->wanted || of_run < least) *h = next, *error = least = of_run;
