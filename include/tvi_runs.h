@@ -202,7 +202,7 @@ TVI_NODISCARD tvi_status tvi_run(tvi_integrator *integrator, const tvi_run_plan 
  * roundoff as t^(3/2).
  *
  * Of the plan are read t_end; events; largest_step, which h does not exceed, for pushes in time that fall between the
- * steps of all runs; steps, the most that all runs may make, 0: 10^8; at_step and ctx: at_step is called once in 1024
+ * steps of all runs; steps, the most that all runs may make, 0: 10^7; at_step and ctx: at_step is called once in 1024
  * steps and after each run, with member 0, the number of steps of all runs and the state, and a value other than 0 ends
  * the search. Its other observers are not called.
  *   TVI_EROUNDOFF  roundoff makes more of the run: *h and *measured are those of the smallest error that was found

@@ -12,7 +12,7 @@ set -u
 table=$1 build=$2 when=$3
 folder=$(dirname "$table")
 work=$build/check/cases
-longest=120 # seconds, after which a program counts as one that hangs
+longest=60 # seconds, after which a program counts as one that hangs
 status=0
 rm -rf "$work/run-$when"
 mkdir -p "$work/locale"

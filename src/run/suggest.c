@@ -21,6 +21,8 @@
 #define WITNESS_ORDER 16 /* found: make suggest */
 /* [1] The finer run of a pair has this part of the step. */
 #define FINER (1 / 1.5) /* found: make suggest */
+/* [runs] What a pair costs. */
+#define PAIR (1 + 1 / FINER)
 /* [1] The next step aims at this part of the wanted error. */
 #define AIM 0.25 /* found: make suggest */
 /* [1] Distances above this are no measure of an error: they do not grow as a power of h. */
@@ -29,10 +31,12 @@
 #define MOST_PASSES 20 /* found: make suggest */
 /* [1] Distances up to this many times the model of roundoff may be roundoff. */
 #define ROUNDOFF_DOUBT 300 /* found: make suggest */
+/* [pairs] The search ends after so many steps with errors that do not shrink as half of the order says. */
+#define MOST_STALLS 8 /* found: make suggest */
 /* [steps] The witness has at least this many, and so has a run without a witness. */
 #define LEAST_STEPS 64 /* found: make suggest */
 /* [steps] All runs make at most this many, if the plan names no other number. */
-#define MOST_STEPS 100000000
+#define MOST_STEPS 10000000
 /* [steps] The plan's at_step is called once in this many, and after each run. */
 enum { STEPS_BETWEEN_CALLS = 1024, MOST_PAIRS = 1000 };
 
@@ -58,7 +62,7 @@ typedef struct {
     /* Of the run that is made. */
     whole_run *run;
     double last_t, last_dt, *last; /* the time and the state [2n] before the step, and the step before it */
-    long passes;                   /* before the run */
+    long passes, evaluations;      /* before the run */
     bool has_many_passes;
 } search;
 
@@ -88,7 +92,9 @@ static int after_step(long step, double t, const double q[], const double p[], v
     memcpy(s->last, q, (size_t)n * sizeof *q);
     memcpy(s->last + n, p, (size_t)n * sizeof *p);
     s->last_t = t;
-    s->has_many_passes = s->run->h != 0 && passes - s->passes > MOST_PASSES * (step + LEAST_STEPS);
+    const long evaluations = s->it->stats.force_evaluations - s->evaluations, most = MOST_PASSES * (step + LEAST_STEPS);
+    s->has_many_passes =
+        run->h != 0 && (passes - s->passes > most || evaluations > most * (1 + s->it->options.quadrature_points));
     run->steps = step;
     run->smallest_step = fmin(run->smallest_step, s->last_dt); /* not that of the last one, which ends the run */
     s->last_dt = dt;
@@ -124,6 +130,7 @@ static void make_run(search *s, tvi_integrator *it, double h, double tolerance, 
     s->run = run;
     s->it = it;
     s->passes = it->stats.passes;
+    s->evaluations = it->stats.force_evaluations;
     s->has_many_passes = false;
     s->last_t = s->start[2 * n];
     s->last_dt = fabs(s->plan->t_end - s->last_t);
@@ -219,8 +226,10 @@ static double first_step_by_trials(search *s)
         double t = s->start[2 * n];
         memcpy(s->last, s->start, 2 * n * sizeof *s->last);
         tvi_integrator_reset(s->it);
-        if (tvi_step(s->it, h, &t, s->last, s->last + n) == TVI_OK && fabs(t - s->start[2 * n]) < fabs(duration))
-            return h;
+        if (tvi_step(s->it, h, &t, s->last, s->last + n) != TVI_OK) continue;
+        const double covered = fabs(t - s->start[2 * n]);
+        if (covered * (double)s->most_steps < fabs(duration)) s->is_stopped = true;
+        if (covered < fabs(duration)) return h;
     }
     return duration; /* which is refused, too */
 }
@@ -265,19 +274,24 @@ static tvi_status search_step(search *s, const tvi_system *system, whole_run run
     if (witness[0].status == TVI_ENOMEM) return jet_explain_out_of_memory(TVI_ENOMEM);
     const bool has_witness = witness[0].status == TVI_OK;
     bool is_found = false;
+    int stalls = 0;
+    long refused_steps = 0;
     double least = INFINITY, before = INFINITY, h_before = 1;
     double next = has_witness ? first_step(s, &witness[0]) : first_step_by_trials(s);
     tvi_status status = TVI_OK;
     for (int k = 0; k < MOST_PAIRS && !s->is_stopped; k++) {
         next = limit_step(s, next);
-        s->is_stopped = !tvi_is_rescaled(it) &&
-                        fabs(s->plan->t_end - s->start[2 * s->n]) / fabs(next) > (double)(s->most_steps - s->steps);
+        s->is_stopped = !tvi_is_rescaled(it) && PAIR * fabs(s->plan->t_end - s->start[2 * s->n]) / fabs(next) >
+                                                    (double)(s->most_steps - s->steps);
         if (s->is_stopped) break;
+        const long begin = s->steps;
         status = make_runs(s, next, has_witness, run);
         if (s->is_stopped) status = TVI_OK;
         if (s->is_stopped || (status != TVI_OK && !tvi_is_failure_of_member(status))) break;
         if (status != TVI_OK) {
-            if (is_found || fabs(next) <= DBL_EPSILON * fabs(s->plan->t_end - s->start[2 * s->n])) break;
+            refused_steps += s->steps - begin; /* a tenth of all may be lost */
+            if (is_found || refused_steps > s->most_steps / 10) break;
+            if (fabs(next) <= DBL_EPSILON * fabs(s->plan->t_end - s->start[2 * s->n])) break;
             next /= 2;
             continue;
         }
@@ -293,7 +307,11 @@ static tvi_status search_step(search *s, const tvi_system *system, whole_run run
             next = larger;
         } else {
             const bool shrinks = measured <= before * pow(fabs(next / h_before), s->order / 2.0);
+            stalls = shrinks || measured > LARGEST_DISTANCE ? 0 : stalls + 1;
             if (roundoff > s->wanted || (!shrinks && measured <= ROUNDOFF_DOUBT * roundoff)) break;
+            if (stalls == MOST_STALLS)
+                return jet_refuse(TVI_ENOCONV, "the error does not shrink with the step: about %.1e at h = %g",
+                                  measured, next);
             before = measured;
             h_before = next;
             next = smaller_step(s, next, measured, run);
