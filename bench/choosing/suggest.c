@@ -226,24 +226,20 @@ static void write_own(const tvi_options *options, count *counts, FILE *out)
         {"Toda", to, options, 3, {0.3, 0.1, -0.2}, {0.2, 0.1, -0.3}, 0, 200},
         {"logarithmic", l, options, 2, {0.5, 0.1}, {0.2, 0.6}, 0, 200},
         {"driven pendulum", driven, options, 1, {0.1}, {0}, 0, 100},
-        {"Kozai triple, fixed",
-         tr,
-         options,
-         9,
-         {0, 0, 0, 1, 0, 0, 12, 0, 0},
-         {0, -1e-3 * v * cs - 0.5 * w, -1e-3 * v * s, 0, 1e-3 * v * cs, 1e-3 * v * s, 0, 0.5 * w, 0},
-         0,
-         600},
-        {"Kozai triple, rescaled",
-         inner,
-         options,
-         9,
-         {0, 0, 0, 1, 0, 0, 12, 0, 0},
-         {0, -1e-3 * v * cs - 0.5 * w, -1e-3 * v * s, 0, 1e-3 * v * cs, 1e-3 * v * s, 0, 0.5 * w, 0},
-         0,
-         600},
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) write_row(&rows[i], counts, out);
+    problem kozai = {"Kozai triple, fixed",
+                     tr,
+                     options,
+                     9,
+                     {0, 0, 0, 1, 0, 0, 12, 0, 0},
+                     {0, -1e-3 * v * cs - 0.5 * w, -1e-3 * v * s, 0, 1e-3 * v * cs, 1e-3 * v * s, 0, 0.5 * w, 0},
+                     0,
+                     600};
+    write_row(&kozai, counts, out);
+    kozai.name = "Kozai triple, rescaled";
+    kozai.system = inner;
+    write_row(&kozai, counts, out);
     write_row(&fput, counts, out);
     for (int i = 0; i < 9; i++) {
         char name[64];

@@ -55,7 +55,7 @@ typedef struct {
     const tvi_run_plan *plan;
     int n, order;
     const double *start; /* [2n + 1] */
-    double wanted;
+    double duration, wanted;
     tvi_integrator *it;
     long steps, most_steps; /* of all runs */
     bool is_stopped;        /* by the budget or by the plan's at_step */
@@ -109,7 +109,7 @@ static int after_step(long step, double t, const double q[], const double p[], v
 /* Returns the largest step of the witness. */
 static double witness_limit(const search *s)
 {
-    const double most = fabs(s->plan->t_end - s->start[2 * s->n]) / LEAST_STEPS;
+    const double most = fabs(s->duration) / LEAST_STEPS;
     return s->plan->largest_step > 0 ? fmin(s->plan->largest_step, most) : most;
 }
 
@@ -133,7 +133,7 @@ static void make_run(search *s, tvi_integrator *it, double h, double tolerance, 
     s->evaluations = it->stats.force_evaluations;
     s->has_many_passes = false;
     s->last_t = s->start[2 * n];
-    s->last_dt = fabs(s->plan->t_end - s->last_t);
+    s->last_dt = fabs(s->duration);
     memcpy(s->last, s->start, 2 * n * sizeof *s->last);
     memcpy(run->end, s->start, (2 * n + 1) * sizeof *run->end);
     tvi_integrator_reset(it);
@@ -147,7 +147,7 @@ static void make_run(search *s, tvi_integrator *it, double h, double tolerance, 
 static double distance(const search *s, const whole_run *a, const whole_run *b)
 {
     const double *x = a->end, *y = b->end;
-    double largest = fabs(x[2 * s->n] - y[2 * s->n]) / fabs(s->plan->t_end - s->start[2 * s->n]);
+    double largest = fabs(x[2 * s->n] - y[2 * s->n]) / fabs(s->duration);
     for (int i = 0; i < 2 * s->n; i++)
         if (x[i] != y[i]) largest = fmax(largest, fabs(x[i] - y[i]) / fmin(a->size[i / s->n], b->size[i / s->n]));
     return largest;
@@ -209,36 +209,33 @@ static double error_of_pair(search *s, const tvi_system *system, const whole_run
  * witness are (tolerance / e^5)^(1/N) of the radius. */
 static double first_step(const search *s, const whole_run *witness)
 {
-    const double duration = s->plan->t_end - s->start[2 * s->n],
-                 radius = witness->smallest_step * pow(exp(5) / WITNESS_TOLERANCE, 1.0 / WITNESS_ORDER),
+    const double radius = witness->smallest_step * pow(exp(5) / WITNESS_TOLERANCE, 1.0 / WITNESS_ORDER),
                  rho = pow(fmax((double)witness->steps, 1) / (AIM * s->wanted), 1.0 / s->order),
-                 h = fmin(4 * radius / (rho - 1 / rho), fabs(duration));
-    return copysign(h, duration);
+                 h = fmin(4 * radius / (rho - 1 / rho), fabs(s->duration));
+    return copysign(h, s->duration);
 }
 
 /* Returns a first h in s, or without a witness: one that the first step allows, and that does not pass t_end. */
 static double first_step_by_trials(search *s)
 {
-    const double duration = s->plan->t_end - s->start[2 * s->n];
     const size_t n = (size_t)s->n;
-    double h = duration;
-    for (; fabs(h) > DBL_EPSILON * fabs(duration); h /= 2) {
+    for (double h = s->duration; fabs(h) > DBL_EPSILON * fabs(s->duration); h /= 2) {
         double t = s->start[2 * n];
         memcpy(s->last, s->start, 2 * n * sizeof *s->last);
         tvi_integrator_reset(s->it);
         if (tvi_step(s->it, h, &t, s->last, s->last + n) != TVI_OK) continue;
         const double covered = fabs(t - s->start[2 * n]);
-        if (covered * (double)s->most_steps < fabs(duration)) s->is_stopped = true;
-        if (covered < fabs(duration)) return h;
+        if (covered * (double)s->most_steps < fabs(s->duration)) s->is_stopped = true;
+        if (covered < fabs(s->duration)) return h;
     }
-    return duration; /* which is refused, too */
+    return s->duration; /* which is refused, too */
 }
 
 /* Returns a step that is no longer than the plan allows. */
 static double limit_step(const search *s, double h)
 {
     double most = s->plan->largest_step > 0 ? s->plan->largest_step : INFINITY;
-    if (!tvi_is_rescaled(s->it)) most = fmin(most, fabs(s->plan->t_end - s->start[2 * s->n]));
+    if (!tvi_is_rescaled(s->it)) most = fmin(most, fabs(s->duration));
     return copysign(fmin(fabs(h), most), h);
 }
 
@@ -281,8 +278,8 @@ static tvi_status search_step(search *s, const tvi_system *system, whole_run run
     tvi_status status = TVI_OK;
     for (int k = 0; k < MOST_PAIRS && !s->is_stopped; k++) {
         next = limit_step(s, next);
-        s->is_stopped = !tvi_is_rescaled(it) && PAIR * fabs(s->plan->t_end - s->start[2 * s->n]) / fabs(next) >
-                                                    (double)(s->most_steps - s->steps);
+        s->is_stopped =
+            !tvi_is_rescaled(it) && PAIR * fabs(s->duration) / fabs(next) > (double)(s->most_steps - s->steps);
         if (s->is_stopped) break;
         const long begin = s->steps;
         status = make_runs(s, next, has_witness, run);
@@ -291,7 +288,7 @@ static tvi_status search_step(search *s, const tvi_system *system, whole_run run
         if (status != TVI_OK) {
             refused_steps += s->steps - begin; /* a tenth of all may be lost */
             if (is_found || refused_steps > s->most_steps / 10) break;
-            if (fabs(next) <= DBL_EPSILON * fabs(s->plan->t_end - s->start[2 * s->n])) break;
+            if (fabs(next) <= DBL_EPSILON * fabs(s->duration)) break;
             next /= 2;
             continue;
         }
@@ -365,6 +362,7 @@ tvi_status tvi_measure_step(const tvi_system *system, const tvi_options *options
                     .order = it->options.order,
                     .most_steps = plan->steps > 0 ? plan->steps : MOST_STEPS,
                     .start = memory + 4 * state,
+                    .duration = plan->t_end - t,
                     .wanted = error,
                     .it = it,
                     .last = memory + 5 * state};
