@@ -93,8 +93,12 @@ class Solve(unittest.TestCase):
         for way in ({"error": 1e-8}, {"tolerance": 1e-10}):
             bounded = tvi.solve(pulse, (0, 50), [1], 0, largest_step=0.02, **way)
             self.assertLess(np.abs(bounded.q_end - right).max(), 1e-7)
-        with self.assertRaises(TypeError):
-            tvi.solve(pulse, (0, 50), [1], 0, h=0.1, largest_step=0.02)
+            self.assertLess(bounded.end_error(), 1e-7)
+            many = tvi.ensemble(pulse, (0, 50), [[1], [1.1]], 0, largest_step=0.02, **way)
+            self.assertLess(np.abs(many.q[0] - right).max(), 1e-7)
+        for run in tvi.solve, tvi.ensemble:
+            with self.assertRaises(TypeError):
+                run(pulse, (0, 50), [1], 0, h=0.1, largest_step=0.02)
 
     def test_many_steps(self):
         """After 10,000 steps every k-th is kept, at even distances, and sol knows all between."""

@@ -46,16 +46,16 @@ class EnsembleResult:
 
 @answered
 def ensemble(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array = None, h: float | None = None,
-             error: float | None = None, tolerance: float | None = None, method: "str | Method" = "galerkin",
-             order: int = 16, t_eval: Array = None, events: Any = (), threads: int = 0,
-             compiled: "bool | Compiled" = False, progress: "bool | Callable" = False,
+             error: float | None = None, tolerance: float | None = None, largest_step: float | None = None,
+             method: "str | Method" = "galerkin", order: int = 16, t_eval: Array = None, events: Any = (),
+             threads: int = 0, compiled: "bool | Compiled" = False, progress: "bool | Callable" = False,
              **parameters: Any) -> EnsembleResult:
     """Many orbits of one system from t_span[0] to t_span[1], on all cores.
 
     q0, and p0 or v0: [member, n], or [n] for all; 0: at rest. parameters: one value for all, or [member]. h, error,
-    tolerance: as for tvi.solve; of error the smallest step that tvi.suggest_step has for a member. A member has the
-    same bits in every ensemble and for every number of threads; one that fails keeps its last good state, and the
-    others go on. Raises as tvi.solve.
+    tolerance, largest_step: as for tvi.solve; of error the smallest step that tvi.suggest_step has for a member. A
+    member has the same bits in every ensemble and for every number of threads; one that fails keeps its last good
+    state, and the others go on. Raises as tvi.solve.
 
     >>> import numpy as np, tvi
     >>> kepler = tvi.potential(2, lambda q: -1 / np.sqrt(q @ q))
@@ -66,7 +66,7 @@ def ensemble(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Arr
     """
     t, t_end = span_of(system, t_span)
     is_default = h is None and error is None and tolerance is None
-    h, error, tolerance = steps_of(system, t_end - t, h, error, tolerance)
+    h, error, tolerance = steps_of(system, t_end - t, h, error, tolerance, largest_step)
     times, several = _times(t_eval, t, t_end), events_of(events)
     method = method_to(tolerance, system, method, order)
     if tolerance is not None and times is not None:
@@ -75,10 +75,11 @@ def ensemble(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Arr
     measured = None
     if tolerance is None:
         if h is None:
-            h, measured = _smallest_step(orbits, parameters, t_end - t, error, method, several, is_default)
+            h, measured = _smallest_step(orbits, parameters, t_end - t, error, method, several, is_default,
+                                         largest_step)
             h = math.copysign(h, t_end - t)
     result = EnsembleResult(orbits, np.array([t_end]) if times is None else times, h or math.nan, measured)
-    _run(orbits, result, times, t_end, tolerance, several, Progress(progress, t, t_end))
+    _run(orbits, result, times, t_end, tolerance, largest_step, several, Progress(progress, t, t_end))
     return result
 
 
@@ -90,7 +91,7 @@ def _orbits(system: System, q0: Array, p0: Array, v0: Array, parameters: dict[st
 
 
 def _smallest_step(orbits: Ensemble, parameters: dict[str, Any], duration: float, error: float, method: Method,
-                   events: list, is_default: bool) -> tuple[float, float]:
+                   events: list, is_default: bool, largest_step: float | None) -> tuple[float, float]:
     """The smallest step of a member, and the largest error that was measured. For parameters that differ each member
     has a system of its own."""
     if duration == 0:
@@ -101,7 +102,7 @@ def _smallest_step(orbits: Ensemble, parameters: dict[str, Any], duration: float
     for m in range(orbits.members):
         system = orbits.system.recorded_with({name: value[m] for name, value in each.items()})
         h, measured, refusal = measured_step(system, orbits.t[m], orbits.q[m], orbits.p[m], duration, error, method,
-                                             Recorded(system, events), None)
+                                             Recorded(system, events), largest_step)
         if refusal and not is_default:
             raise refusal
         steps.append((abs(h), measured))
@@ -109,7 +110,7 @@ def _smallest_step(orbits: Ensemble, parameters: dict[str, Any], duration: float
 
 
 def _run(orbits: Ensemble, result: EnsembleResult, times: np.ndarray | None, t_end: float, tolerance: float | None,
-         events: list, progress: Progress) -> None:
+         largest_step: float | None, events: list, progress: Progress) -> None:
     members, n = orbits.members, orbits.system.n
     told: list[tuple] = []
     functions: dict[str, Any] = {}
@@ -124,7 +125,8 @@ def _run(orbits: Ensemble, result: EnsembleResult, times: np.ndarray | None, t_e
 
         functions["at_time"] = at_time
     if times is None:
-        way = Way(None if tolerance is not None else result.h, None, t_end, None, tolerance)
+        way = (Way(result.h, None, t_end, None, None) if tolerance is None else
+               Way(None, None, t_end, None, tolerance, largest_step))
     else:  # Events are told to t_end.
         way = Way(result.h, None, None, times if len(times) and times[-1] == t_end else np.append(times, t_end), None)
     try:
