@@ -8,8 +8,8 @@
 
 FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
 FIRST   := generating library compiled
-CHECKS  := $(patsubst %,check-%,$(FIRST) $(filter-out $(FIRST),$(FOLDERS)) generated-few examples python install instructions \
-           headers readme formatting tables symbols names floors cases)
+CHECKS  := $(patsubst %,check-%,$(FIRST) cases $(filter-out $(FIRST),$(FOLDERS)) generated-few examples python install instructions \
+           headers readme formatting tables symbols names floors)
 LONG    := $(patsubst %,check-%,sanitizers cases-long arm coverage isas plain thorough valgrind gallery warnings-clang dist threads bench)
 ALL     := $(patsubst %,check-%,generated members equilibria optimized)
 .PHONY: check check-long check-all run-check run-check-long run-check-all test-programs $(CHECKS) $(CHECKS:check-%=do-%) \
