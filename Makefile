@@ -85,7 +85,7 @@ BASE      += $(if $(HAS_SLEEF),-DJET_SLEEF)
 BASE      += $(if $(PLAIN),-DTVI_PLAIN) $(if $(DEVICES),-DTVI_DEVICES)
 
 # An exception of C++ that leaves an observer passes runs, which then end what they have begun.
-$(BUILD)/src/run/%.o: BASE += -fexceptions
+$(BUILD)/src/run/%.o $(BUILD)/src/events/%.o: BASE += -fexceptions
 
 # what runs a tape is compiled once for each instruction set, and one is chosen at run time (ad/isa.c). Those that have
 # fused multiply-adds use them.

@@ -3,7 +3,7 @@
 # stands on its own floor and on those to the right of it. And nothing in src/ asks which method it is: the values of
 # tvi_method and tvi_expansion stand in descriptors, and nowhere else.
 set -eu
-floors='run generating galerkin compiled method system algebra jets'
+floors='run events integrator generating galerkin compiled method system algebra jets'
 
 # where a file stands, and where what it includes: tvi.h and its like are what the systems are made of, jet.h belongs to the jets
 grep -oE '^ *# *include "[^"]*"' src/*/*.[ch] ad/*.[ch] | sed 's/:[^"]*"/ /; s/"//' | while read -r file header; do

@@ -1,5 +1,5 @@
-/* narrow.h - Finds a sign change of a function in a bracket. The search for events (run/search.c, run/finder.c)
- * and the computation of states at given times (run/partial_step.c) call it. */
+/* narrow.h - Finds a sign change of a function in a bracket. The search for events (events/search.c, events/finder.c)
+ * and the computation of states at given times (integrator/partial_step.c) call it. */
 #ifndef TVI_SRC_ALGEBRA_NARROW_H
 #define TVI_SRC_ALGEBRA_NARROW_H
 

@@ -72,7 +72,7 @@ typedef struct {
                                         const tvi_increments *increments, tvi_stats *stats);
     /* Returns a bound of the change of the energy in the last step. The bound holds if the forces are monotonic along
      * the step and the terms of the series decrease. The tail decides whether the energy is computed if this function
-     * is NULL, and in rescaled systems (run/guard.c). */
+     * is NULL, and in rescaled systems (integrator/guard.c). */
     double (*bound_energy_change)(const void *work);
     /* Tells whether all indices in the stepper's part of a loaded history are inside their arrays. NULL: the history
      * has no indices. */

@@ -2,7 +2,7 @@
  * integrators of its threads (tvi_worker_load_member, tvi_worker_store_member). A thread has one integrator, which is a
  * member from its load to its store. So a member's steps are those of an integrator of its own, to the bit. */
 #include "run/ensemble.h"
-#include "run/saved.h"
+#include "integrator/saved.h"
 #include "system/refuse.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* locate.c - Locates the events in each step of a run, reports them in the order of time, and ends the run at an event
  * that is terminal or whose observer asks for it (locate.h). */
 #include "run/locate.h"
-#include "run/finder.h"
+#include "events/finder.h"
 #include "run/run.h"
 #include "run/times.h"
 #include "system/refuse.h"

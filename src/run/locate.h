@@ -3,7 +3,7 @@
 #ifndef TVI_SRC_RUN_LOCATE_H
 #define TVI_SRC_RUN_LOCATE_H
 
-#include "run/integrator.h"
+#include "integrator/integrator.h"
 
 typedef struct tvi_locator tvi_locator;
 typedef struct tvi_times_progress tvi_times_progress;

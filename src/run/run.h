@@ -4,7 +4,7 @@
 #ifndef TVI_SRC_RUN_RUN_H
 #define TVI_SRC_RUN_RUN_H
 
-#include "run/tangent.h"
+#include "integrator/tangent.h"
 #include "run/locate.h"
 
 /* The functions that a run calls after each step, at each given time, and at each event. Each may be NULL. */

@@ -3,8 +3,8 @@
  * (state_text.h) contains the low-order parts of the state and the e of a rescaled system, but not the history of the
  * steps. */
 #include "run/ensemble.h"
-#include "run/saved.h"
-#include "run/state_text.h"
+#include "integrator/saved.h"
+#include "integrator/state_text.h"
 #include "system/refuse.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* energy.h - Computes the energy of a state in memory that the caller has allocated. Integrators call it to check
- * their steps (run/guard.c). */
+ * their steps (integrator/guard.c). */
 #ifndef TVI_SRC_SYSTEM_ENERGY_H
 #define TVI_SRC_SYSTEM_ENERGY_H
 

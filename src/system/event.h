@@ -1,5 +1,5 @@
 /* event.h - Declares the user's event functions g(q, p, t): their recording, their values, and their Taylor
- * expansion near a state. The search for events (run/search.c) calls it. */
+ * expansion near a state. The search for events (events/search.c) calls it. */
 #ifndef TVI_SRC_SYSTEM_EVENT_H
 #define TVI_SRC_SYSTEM_EVENT_H
 

@@ -4,7 +4,7 @@
 # is untrue of leapfrog, and does not say which option switches this off.
 # Right: a trajectory is accepted with probability min(1, exp(-dH)), so that none with dH < 1 is refused; dH is that
 # of tvi.Method("stormer-verlet", 2, max_tail=-1), whose end a leapfrog of numpy has to 1e-13.
-# Kind: the 5 % of the energy guard (src/run/guard.c) are for methods of high order; documented for order 1 only.
+# Kind: the 5 % of the energy guard (src/integrator/guard.c) are for methods of high order; documented for order 1 only.
 import numpy as np
 
 import tvi

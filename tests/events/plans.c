@@ -1,6 +1,6 @@
 /* plans.c - Implements plans.h. */
 #include "plans.h"
-#include "run/integrator.h"
+#include "integrator/integrator.h"
 
 #include <math.h>
 #include <string.h>

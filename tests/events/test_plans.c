@@ -3,7 +3,7 @@
 #include "events.h"
 #include "plans.h"
 #include "problems/refusals.h"
-#include "run/integrator.h"
+#include "integrator/integrator.h"
 
 #include <math.h>
 #include <string.h>

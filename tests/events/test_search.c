@@ -1,7 +1,7 @@
 /* test_search.c - Tests the search along the curve: that it looks at the states that the curve has, and finds what is
  * there. */
 #include "events.h"
-#include "run/integrator.h"
+#include "integrator/integrator.h"
 #include "runs.h"
 #include "system/rates.h"
 

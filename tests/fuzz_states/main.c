@@ -3,7 +3,7 @@
  * `fuzz_states SEED COUNT` tries others; make check-sanitizers tries a million. */
 #include "problems/problems.h"
 #include "problems/random.h"
-#include "run/saved.h"
+#include "integrator/saved.h"
 #include "tape.h"
 
 #include <math.h>

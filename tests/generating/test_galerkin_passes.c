@@ -2,7 +2,7 @@
 #include "galerkin/galerkin.h"
 #include "generating.h"
 #include "models.h"
-#include "run/integrator.h"
+#include "integrator/integrator.h"
 
 #include <complex.h>
 #include <math.h>

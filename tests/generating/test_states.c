@@ -3,7 +3,7 @@
 #include "generating.h"
 #include "models.h"
 #include "problems/thorough.h"
-#include "run/saved.h"
+#include "integrator/saved.h"
 
 #include <stddef.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* test_arena.c - Tests pieces of an arena, aligned, apart, as many bytes as were measured (with the address sanitizer,
  * nothing but the pieces may be touched), and the counts of saved statistics. */
 #include "algebra/arena.h"
-#include "run/saved.h"
+#include "integrator/saved.h"
 #include "suites.h"
 
 #include <limits.h>

@@ -1,7 +1,7 @@
 /* test_structure.c - Tests that a step in s is symplectic in (q, t) and (p, e), and nearly keeps K; the field without
  * the terms (H+e) has the same orbit, and its steps are not. */
 #include "rescaled.h"
-#include "run/integrator.h"
+#include "integrator/integrator.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /* test_zero.c - Tests that a constant in V, L or H changes neither the status of a step nor the orbit: the guard knows
- * no zero of the energy (run/guard.c). */
+ * no zero of the energy (integrator/guard.c). */
 #include "stability.h"
 
 #include <math.h>

@@ -15,7 +15,7 @@
  * Numbers are written as printf does by %a, with a point in every locale. Any white space may separate words, since
  * other programs may change the ends of lines. The last word is the FNV-1a hash of all words before it, each followed
  * by a blank. The fields of tvi_state_text tell the order of the rows. */
-#include "run/state_text.h"
+#include "integrator/state_text.h"
 #include "tape.h"
 #include "algebra/sizes.h"
 

@@ -1,7 +1,7 @@
 /* state_text.h - Writes a state as text, and reads it, in a format that every version, machine and instruction set
  * reads. travel.c calls it for tvi_state_to_text, tvi_state_from_text and their ensemble versions. */
-#ifndef TVI_SRC_RUN_STATE_TEXT_H
-#define TVI_SRC_RUN_STATE_TEXT_H
+#ifndef TVI_INTEGRATOR_STATE_TEXT_H
+#define TVI_INTEGRATOR_STATE_TEXT_H
 
 #include <stdbool.h>
 #include <stddef.h>

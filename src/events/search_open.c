@@ -1,5 +1,5 @@
 /* search_open.c - Allocates and frees the memory of the search for events (search.h). */
-#include "run/search.h"
+#include "events/search.h"
 
 #include <stdlib.h>
 

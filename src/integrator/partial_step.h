@@ -1,10 +1,10 @@
 /* partial_step.h - Computes a state inside the last step of an integrator, by a shorter step of the same method from
  * the start of that step. Runs call it for results at given times (times.c) and for events (locate.c). The computed
  * states are as accurate as those at the ends of steps; the curve of tvi_dense is less accurate. */
-#ifndef TVI_SRC_RUN_PARTIAL_STEP_H
-#define TVI_SRC_RUN_PARTIAL_STEP_H
+#ifndef TVI_INTEGRATOR_PARTIAL_STEP_H
+#define TVI_INTEGRATOR_PARTIAL_STEP_H
 
-#include "run/integrator.h"
+#include "integrator/integrator.h"
 #include "system/rates.h"
 
 /* The integrator of the run, a second integrator that repeats a part of its last step, and the state that was computed

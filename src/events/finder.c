@@ -4,7 +4,7 @@
  * (partial_step.h) gives an accurate state. The straight line through this state, with the slope of the curve, agrees
  * with the method's solution to roundoff over a short distance. The event is the sign change of g on this line. The
  * state of the event is as accurate as that of a step, whatever slope g has. */
-#include "run/finder.h"
+#include "events/finder.h"
 #include "algebra/sizes.h"
 
 #include <float.h>

@@ -6,7 +6,7 @@
  * The identity describes the format, the method and the system; bytes with another identity are refused (saved.h). The
  * counts are the tvi_stats of the integrator. t, q and p are saved apart from the history for tvi_state_peek, which has
  * no integrator. The history contains everything that one step leaves to the next one (algebra/arena.h). */
-#include "run/saved.h"
+#include "integrator/saved.h"
 #include "system/refuse.h"
 
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* step.c - Makes steps of an integrator (tvi_step). The stepper of the method computes the increments of the state, and
  * the guard (guard.h) refuses a step that is too large. The increments of an accepted step are added to the state by
  * compensated summation (method/origin.h). */
-#include "run/guard.h"
-#include "run/integrator.h"
+#include "integrator/guard.h"
+#include "integrator/integrator.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
 

@@ -1,6 +1,6 @@
 /* partial_step.c - Computes states inside the last step, at a given offset from its start or at a given time
  * (partial_step.h). */
-#include "run/partial_step.h"
+#include "integrator/partial_step.h"
 #include "algebra/narrow.h"
 #include "system/refuse.h"
 

@@ -1,6 +1,6 @@
 /* saved.c - Writes the state of an integrator or an ensemble as bytes, and checks bytes before they are loaded
  * (saved.h). */
-#include "run/saved.h"
+#include "integrator/saved.h"
 #include "compiled/compiled.h"
 #include "algebra/sizes.h"
 #include "method/fingerprint.h"

@@ -1,6 +1,6 @@
 /* integrator.c - Creates and frees integrators, and returns their options and counts of steps. All memory of an
  * integrator is one block, which an arena lays out (algebra/arena.h). */
-#include "run/integrator.h"
+#include "integrator/integrator.h"
 #include "compiled/compiled.h"
 #include "method/method.h"
 #include "system/refuse.h"

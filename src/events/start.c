@@ -7,8 +7,8 @@
  * first leaves 0 with the sign of its first Taylor coefficient along the motion that is larger than roundoff. That
  * coefficient has the sign of g(x + d) - g(x), where x is the state at the start of the step, and d the increment of a
  * tiny step of the method. */
-#include "run/search.h"
-#include "run/dip.h"
+#include "events/search.h"
+#include "events/dip.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
 

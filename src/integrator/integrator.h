@@ -1,6 +1,7 @@
-/* integrator.h - Declares the memory of an integrator, and the functions on it that the files of run/ share. */
-#ifndef TVI_SRC_RUN_INTEGRATOR_H
-#define TVI_SRC_RUN_INTEGRATOR_H
+/* integrator.h - Declares the memory of an integrator, and the functions on it that the files of this folder, of
+ * events/ and of run/ share. */
+#ifndef TVI_INTEGRATOR_INTEGRATOR_H
+#define TVI_INTEGRATOR_INTEGRATOR_H
 
 #include "method/stepper.h"
 #include "system/energy.h"

@@ -1,9 +1,9 @@
 /* finder.h - Finds the time and the state of an event to roundoff, from a root that the search (search.h) has bracketed
  * on the curve of the step. locate.c calls it. */
-#ifndef TVI_SRC_RUN_FINDER_H
-#define TVI_SRC_RUN_FINDER_H
+#ifndef TVI_EVENTS_FINDER_H
+#define TVI_EVENTS_FINDER_H
 
-#include "run/search.h"
+#include "events/search.h"
 #include "system/rates.h"
 
 /* The memory of a finder. It represents the solution near an event by a line x(theta) = line_origin + (theta -

@@ -5,7 +5,7 @@
  * conserves one. The change is compared with H less its zero level, which is an energy without momentum, H(q, 0), so
  * that a constant in the potential does not count. The energy is not computed if a small tail and a small number of
  * passes, or a bound of the energy change that the stepper computes, show that the step approximates the motion. */
-#include "run/guard.h"
+#include "integrator/guard.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
 

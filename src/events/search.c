@@ -1,8 +1,8 @@
 /* search.c - Searches the curve of a step for roots of the event functions (search.h). It evaluates all functions at
  * the sample points of the step (tvi_sample_theta), and looks for sign changes between samples, and for dips of |g|
  * (local minima), which may hide two roots. */
-#include "run/search.h"
-#include "run/dip.h"
+#include "events/search.h"
+#include "events/dip.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
 

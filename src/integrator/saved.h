@@ -5,10 +5,10 @@
  *
  * A piece is a block of memory, for example the parameters or the history. state.c lists the pieces of an integrator,
  * and ensemble.c those of an ensemble (tvi_saved_pieces). */
-#ifndef TVI_SRC_RUN_SAVED_H
-#define TVI_SRC_RUN_SAVED_H
+#ifndef TVI_INTEGRATOR_SAVED_H
+#define TVI_INTEGRATOR_SAVED_H
 
-#include "run/integrator.h"
+#include "integrator/integrator.h"
 
 #include <stdint.h>
 

@@ -1,6 +1,6 @@
 /* dense.c - Evaluates the curve of the last step (tvi_dense) at one point of the step, or at all points where the
  * search for events samples it. theta is the part of the step, from 0 at its start to 1 at its end. */
-#include "run/integrator.h"
+#include "integrator/integrator.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
 

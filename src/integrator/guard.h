@@ -1,9 +1,9 @@
 /* guard.h - Decides whether a step whose equations are solved is accepted, or refused as too large for the orbit, by
  * its tail and by the change of the energy (guard.c; tvi_options.max_tail). step.c calls it. */
-#ifndef TVI_SRC_RUN_GUARD_H
-#define TVI_SRC_RUN_GUARD_H
+#ifndef TVI_INTEGRATOR_GUARD_H
+#define TVI_INTEGRATOR_GUARD_H
 
-#include "run/integrator.h"
+#include "integrator/integrator.h"
 
 /* Returns the largest tail (tvi_stats.tail) and the largest number of corrector passes with which a step is accepted
  * without computing its energy. */

@@ -1,11 +1,11 @@
 /* search.h - Finds the roots of event functions g(q, p, t) along the curve of the last step (tvi_dense), to the
  * accuracy of that curve. locate.c calls it after each step of a run with events. theta is the part of the step, from 0
  * at its start to 1 at its end. */
-#ifndef TVI_SRC_RUN_SEARCH_H
-#define TVI_SRC_RUN_SEARCH_H
+#ifndef TVI_EVENTS_SEARCH_H
+#define TVI_EVENTS_SEARCH_H
 
 #include "system/event.h"
-#include "run/partial_step.h"
+#include "integrator/partial_step.h"
 #include "algebra/narrow.h"
 
 /* A root of an event function g: a point of a step where g reaches 0 or changes its sign. */

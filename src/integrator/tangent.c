@@ -3,7 +3,7 @@
  * history of the lifted integrator is cleared, so that the columns do not depend on one another. In a run the vectors
  * before and after the last step are stored, since the vectors at a point inside the step are computed from the vectors
  * before the step. */
-#include "run/tangent.h"
+#include "integrator/tangent.h"
 #include "method/method.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"

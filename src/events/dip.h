@@ -1,7 +1,7 @@
 /* dip.h - Decides whether a function g of one variable has a zero near a dip, that is a local minimum of |g| between
  * samples of one sign. search.c calls it with event functions g(theta), where theta is the part of a step. */
-#ifndef TVI_SRC_RUN_DIP_H
-#define TVI_SRC_RUN_DIP_H
+#ifndef TVI_EVENTS_DIP_H
+#define TVI_EVENTS_DIP_H
 
 #include <stdbool.h>
 

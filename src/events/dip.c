@@ -1,6 +1,6 @@
 /* dip.c - Chooses where to sample a function g near a dip (a local minimum of |g|) to find a zero, by parabolas and
  * golden sections, and decides when there can be no zero (dip.h). */
-#include "run/dip.h"
+#include "events/dip.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,10 +1,10 @@
 /* tangent.h - Multiplies tangent vectors by the Jacobian matrix of a step (docs/method.md section 10). run.c,
  * times.c and locate.c call it. The method makes a step of the lifted system, whose state is the
  * orbit's state together with one tangent vector. */
-#ifndef TVI_SRC_RUN_TANGENT_H
-#define TVI_SRC_RUN_TANGENT_H
+#ifndef TVI_INTEGRATOR_TANGENT_H
+#define TVI_INTEGRATOR_TANGENT_H
 
-#include "run/integrator.h"
+#include "integrator/integrator.h"
 
 /* Tangent vectors, the columns of a matrix [2n + parameters][count], whose rows belong to q, p and the parameters. Two
  * neighbouring elements of a row are element_spacing numbers apart in memory. */

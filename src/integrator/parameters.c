@@ -1,6 +1,6 @@
 /* parameters.c - Sets the values that an integrator uses for the parameters of its system, and computes energies,
  * momenta and velocities with these values. */
-#include "run/integrator.h"
+#include "integrator/integrator.h"
 #include "system/refuse.h"
 
 #include <math.h>
