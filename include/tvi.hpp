@@ -667,14 +667,14 @@ class ensemble
     bool integrate_to(double h, double t_end, T &t, Q &q, P &p, std::vector<tvi_status> &status)
     {
         tvi_run_plan plan = {};
-        plan.h = h, plan.t_end = t_end;
+        plan.h = h, plan.t_end = t_end, plan.has_t_end = true;
         return run(plan, t, q, p, status);
     }
     template <class T, class Q, class P>
     bool integrate_tolerance(double tolerance, double t_end, T &t, Q &q, P &p, std::vector<tvi_status> &status)
     {
         tvi_run_plan plan = {};
-        plan.tolerance = tolerance, plan.t_end = t_end;
+        plan.tolerance = tolerance, plan.t_end = t_end, plan.has_t_end = true;
         return run(plan, t, q, p, status);
     }
     /* The observer is at_time(int member, int which, double t, const double *q, const double *p). */

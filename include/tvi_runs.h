@@ -86,10 +86,11 @@ TVI_NODISCARD tvi_status tvi_integrate_events(tvi_integrator *integrator, double
 TVI_NODISCARD tvi_status tvi_integrate_at(tvi_integrator *integrator, double h, const double times[], int count,
                                           double *t, double q[], double p[], tvi_observer *observer, void *ctx);
 
-/* Makes steps of size h to t_end exactly, with a last shorter step; h has the direction of t_end. In a rescaled system
- * h is in s: the step that passes t_end is undone, and replaced by the part of it that ends there to roundoff. Each
- * step is the method's, but the last one has another size: a run that goes on from t_end is not the one without a stop
- * there.
+/* Makes steps of size h to t_end exactly, with a last step that is not longer; h has the direction of t_end. A time
+ * that is left after a step is roundoff, and no step, if it is below 2 DBL_EPSILON |t| and below h / 1024. In a
+ * rescaled system h is in s: the step that passes t_end is undone, and replaced by the part of it that ends there to
+ * roundoff. Each step is the method's, but the last one has another size: a run that goes on from t_end is not the one
+ * without a stop there.
  *   TVI_EINVAL     NULL, h = 0, values that are not finite, t_end on the other side of *t
  *   TVI_ENOCONV    also a run that would never end, as in tvi_integrate_at
  *   TVI_ENOMEM     no memory
@@ -139,14 +140,16 @@ typedef int tvi_ensemble_observer(long step, int members, const double t[], cons
                                   const tvi_status status[], void *ctx);
 
 /* A plan says how far a run goes, and what it reports: by tvi_run for an integrator, by tvi_ensemble_run for an
- * ensemble. 0 or NULL: nothing of that kind. The modes of a run are h and steps; h and t_end; h and times; tolerance
- * and t_end. Each goes with events, with D and with the observers of members. */
+ * ensemble. 0 or NULL: nothing of that kind. A run makes `steps` steps of size h, none if that is 0; or it goes to
+ * t_end, in steps of size h or to a tolerance, if has_t_end says so; or to the last of its times. Times and t_end may
+ * be given together. Each goes with events, with D and with the observers of members. */
 typedef struct {
     double h;            /* the step, or 0 with a tolerance */
-    double tolerance;    /* steps to t_end as those of tvi_integrate_tolerance */
-    long steps;          /* number of steps of size h, or 0 */
+    double tolerance;    /* steps to t_end as those of tvi_integrate_tolerance, also without has_t_end */
+    long steps;          /* number of steps of size h */
     double t_end;        /* to this time exactly, as tvi_integrate_to */
-    const double *times; /* [time_count] steps of size h as tvi_integrate_at */
+    bool has_t_end;      /* the run ends at t_end */
+    const double *times; /* [time_count] steps of size h as tvi_integrate_at, none of them beyond t_end */
     int time_count;      /* at_time is called at each of the times, with 1..time_count */
     const tvi_event *const *events;
     int event_count; /* on_event is called at each event, with its index, as by tvi_integrate_events */

@@ -27,8 +27,7 @@ typedef struct {
 /* A segment of an ensemble's run: the steps of all members between two calls of the ensemble's own observer, or all
  * steps if there is no observer. */
 typedef struct {
-    tvi_run_plan plan; /* the plan of the run, with the number of steps of this segment */
-    tvi_run_mode run_mode;
+    tvi_run_plan plan;              /* the plan of the run, with the number of steps of this segment */
     long step_count_before_segment; /* the number of steps in earlier segments of the run */
     double *t, *q, *p;              /* the user's arrays of all members' states */
     tvi_status *member_status;      /* [member_count] the user's array of the members' statuses */

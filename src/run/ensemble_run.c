@@ -19,7 +19,7 @@ static loaded_member load_member(tvi_ensemble *ensemble, int thread, int member)
     tvi_ensemble_worker *worker = &ensemble->workers[thread];
     tvi_gather_member(ensemble->n, ensemble->member_count, segment->q, member, worker->member_q);
     tvi_gather_member(ensemble->n, ensemble->member_count, segment->p, member, worker->member_p);
-    if (segment->run_mode == TVI_RUN_AT_TIMES) tvi_worker_load_member_and_curve(worker, ensemble, member);
+    if (segment->plan.time_count > 0) tvi_worker_load_member_and_curve(worker, ensemble, member);
     else tvi_worker_load_member(worker, ensemble, member);
     return (loaded_member){ensemble, worker, member, segment->t[member]};
 }
@@ -48,7 +48,6 @@ static void run_member_in_thread(void *ctx, int thread, int member)
     *status = *failed;
     if (*failed != TVI_OK && tvi_integrator_state_equals(it, loaded.t, q, p)) return;
     const tvi_member_run run = {.plan = &segment->plan,
-                                .run_mode = segment->run_mode,
                                 .member_index = member,
                                 .member_count = ensemble->member_count,
                                 .step_count_before_segment = segment->step_count_before_segment,
@@ -130,7 +129,7 @@ tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_ensemble_plan *pla
     if (checked != TVI_OK) return checked;
     const tvi_status provided = allocate_tangents(ensemble, plan->columns);
     if (provided != TVI_OK) return provided;
-    return run_all_segments(ensemble, (tvi_ensemble_segment){*plan, tvi_plan_mode(plan), 0, t, q, p, status});
+    return run_all_segments(ensemble, (tvi_ensemble_segment){*plan, 0, t, q, p, status});
 }
 
 tvi_status tvi_ensemble_integrate(tvi_ensemble *ensemble, double h, long steps, double t[], double q[], double p[],
@@ -142,5 +141,5 @@ tvi_status tvi_ensemble_integrate(tvi_ensemble *ensemble, double h, long steps, 
     const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
     if (idle != TVI_OK) return idle;
     const tvi_run_plan plan = {.h = h, .steps = steps, .observer = observer, .ctx = ctx};
-    return run_all_segments(ensemble, (tvi_ensemble_segment){plan, TVI_RUN_STEPS, 0, t, q, p, status});
+    return run_all_segments(ensemble, (tvi_ensemble_segment){plan, 0, t, q, p, status});
 }

@@ -3,6 +3,7 @@
 #include "run/plan.h"
 #include "system/refuse.h"
 
+#include <float.h>
 #include <limits.h>
 #include <math.h>
 
@@ -16,16 +17,16 @@ static const char *find_contradiction(const tvi_run_plan *plan)
     const bool by_tolerance = plan->tolerance != 0, to_times = plan->time_count != 0, in_steps = plan->steps != 0;
     if (plan->size != 0 && plan->size != sizeof *plan) return "size is not that of a tvi_run_plan of this version";
     if (plan->steps < 0) return "steps is negative";
-    if (plan->time_count < 0 || plan->event_count < 0 || plan->columns < 0) return "a count is negative";
+    if (plan->time_count < 0 || plan->columns < 0) return "a count is negative";
     if (to_times && !plan->times) return "times is NULL";
     if (by_tolerance && plan->h != 0) return "h and tolerance are both given";
-    if (!by_tolerance && (plan->h == 0 || !isfinite(plan->h))) return "h is 0 or not finite";
+    if (!by_tolerance && plan->h == 0) return "h is 0";
     if (in_steps && by_tolerance) return "steps and tolerance are both given: a tolerance goes to t_end";
-    if (to_times && by_tolerance) return "times and tolerance are both given: a tolerance goes to t_end";
+    if (to_times && by_tolerance) return "times and tolerance are both given: a tolerance goes to t_end alone";
     if (in_steps && to_times) return "steps and time_count are both given";
-    if (in_steps && plan->t_end != 0) return "steps and t_end are both given";
-    if (to_times && plan->t_end != 0) return "times and t_end are both given";
+    if (in_steps && plan->has_t_end) return "steps and has_t_end are both given";
     if (!isfinite(plan->t_end)) return "t_end is not finite";
+    if (plan->t_end != 0 && !plan->has_t_end && !by_tolerance) return "t_end is given without has_t_end";
     if (!by_tolerance && plan->largest_step != 0) return "largest_step is given without tolerance";
     if (!(plan->largest_step >= 0 && isfinite(plan->largest_step))) return "largest_step is negative or not finite";
     if (plan->columns > 0 && !plan->D) return "columns is given, and D is NULL";
@@ -34,23 +35,29 @@ static const char *find_contradiction(const tvi_run_plan *plan)
     if (plan->at_time && plan->time_count == 0) return "at_time is given, and time_count is 0";
     if (plan->on_event && plan->event_count == 0) return "on_event is given, and event_count is 0";
     if (plan->event_count > 0 && !plan->events) return "event_count is given, and events is NULL";
-    if (plan->observer && plan->steps == 0) return "observer is given without steps: it goes with steps alone";
+    if (plan->observer && (by_tolerance || to_times || plan->has_t_end))
+        return "observer is given with times or t_end: it goes with steps alone";
     return NULL;
+}
+
+/* Refuses a tolerance that is not positive, or that double precision cannot reach, and any tolerance if the
+ * integrator's method cannot choose its steps by one. */
+static tvi_status check_tolerance(const tvi_integrator *it, double tolerance)
+{
+    if (!(tolerance >= DBL_EPSILON && tolerance < 1))
+        return jet_refuse(TVI_EINVAL, "tolerance is below DBL_EPSILON or not below 1");
+    return it->stepper->step_within_tolerance && !tvi_is_rescaled(it)
+               ? TVI_OK
+               : jet_refuse(TVI_EUNSUPPORTED, "a tolerance is for \"taylor\" and systems that are not rescaled");
 }
 
 tvi_status tvi_plan_check(const tvi_integrator *it, const tvi_run_plan *plan)
 {
     const char *reason = plan ? find_contradiction(plan) : "plan is NULL";
     if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
+    if (!isfinite(plan->h)) return jet_refuse(TVI_EINVAL, "h = %g is not finite", plan->h);
     if (!tvi_events_match_dimension(it, plan->events, plan->event_count)) return TVI_EINVAL;
-    return plan->tolerance != 0 ? tvi_check_tolerance(it, plan->tolerance) : TVI_OK;
-}
-
-tvi_run_mode tvi_plan_mode(const tvi_run_plan *plan)
-{
-    if (plan->tolerance != 0) return TVI_RUN_TO_TOLERANCE;
-    if (plan->time_count != 0) return TVI_RUN_AT_TIMES;
-    return plan->steps != 0 ? TVI_RUN_STEPS : TVI_RUN_TO_TIME;
+    return plan->tolerance != 0 ? check_tolerance(it, plan->tolerance) : TVI_OK;
 }
 
 /* ---- The observers of a plan ------------------------------------------------------------------------------------- */
@@ -114,7 +121,6 @@ tvi_status tvi_run_member(tvi_integrator *it, const tvi_member_run *member_run, 
 {
     const tvi_run_plan *plan = member_run->plan;
     const tvi_single_run run = {
-        .mode = member_run->run_mode,
         .plan = plan,
         .observers = {.at_step = plan->at_step || member_run->ensemble_observer ? call_step_observers : NULL,
                       .at_time = plan->at_time ? call_time_observer : NULL,
@@ -132,7 +138,6 @@ tvi_status tvi_run(tvi_integrator *it, const tvi_run_plan *plan, double *t, doub
     if (!it || !t || !q || !p) return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, t, q, p, 1}, "");
     const tvi_status status = tvi_plan_check(it, plan);
     if (status != TVI_OK) return status;
-    const tvi_member_run all = {
-        .plan = plan, .run_mode = tvi_plan_mode(plan), .member_count = 1, .ensemble_observer = plan->observer};
+    const tvi_member_run all = {.plan = plan, .member_count = 1, .ensemble_observer = plan->observer};
     return tvi_run_member(it, &all, t, q, p);
 }

@@ -10,13 +10,10 @@
 
 /* Refuses a plan whose fields contradict one another, and a plan that the integrator's method cannot carry out. */
 TVI_NODISCARD tvi_status tvi_plan_check(const tvi_integrator *integrator, const tvi_run_plan *plan);
-/* Returns the mode of a plan that tvi_plan_check has accepted. */
-tvi_run_mode tvi_plan_mode(const tvi_run_plan *plan);
 
 /* A run of one member by a plan. A single integrator counts as an ensemble of one member. */
 typedef struct {
     const tvi_run_plan *plan;
-    tvi_run_mode run_mode;
     int member_index, member_count;
     /* An ensemble may run a plan in several segments. step_count_before_segment is the number of steps in earlier
      * segments, and plan->steps the number of steps in the present segment. */

@@ -1,6 +1,5 @@
 /* run.h - Runs an integrator step by step: makes a step, reports the given times and the events in it, and then reports
- * the step itself. The mode of the run decides how large the steps are and where the run ends. plan.c and the functions
- * tvi_integrate... call it. */
+ * the step itself. The plan of the run decides how large the steps are and where the run ends. */
 #ifndef TVI_SRC_RUN_RUN_H
 #define TVI_SRC_RUN_RUN_H
 
@@ -14,15 +13,10 @@ typedef struct {
     void *ctx; /* the user's data, which every observer gets as its last argument */
 } tvi_observers;
 
-/* The modes of a run: it makes a number of steps, or ends at a given time, or reports the states at given times, or
- * ends at a given time with steps whose local error is within a tolerance. */
-typedef enum { TVI_RUN_STEPS, TVI_RUN_TO_TIME, TVI_RUN_AT_TIMES, TVI_RUN_TO_TOLERANCE } tvi_run_mode;
-
 /* The arguments of a run of one integrator: its plan, the observers that are called, and its tangent vectors. */
 struct tvi_single_run {
-    tvi_run_mode mode;
-    /* The step size, the end of the run, the given times and the events. The observers of the plan are not used
-     * here. */
+    /* The step size, the end of the run, the given times and the events, which tvi_plan_check has accepted. The
+     * observers of the plan are not used here. */
     const tvi_run_plan *plan;
     tvi_observers observers; /* the observers that the run calls instead of those of the plan */
     /* The tangent vectors that the run's steps propagate; elements = NULL if there are none. */
@@ -35,8 +29,8 @@ struct tvi_single_run {
 TVI_NODISCARD tvi_status tvi_run_integrator(tvi_integrator *integrator, const tvi_single_run *run, double *t,
                                             double q[], double p[]);
 
-/* Refuses a tolerance that is not positive, or that double precision cannot reach (TVI_EINVAL), and any tolerance if
- * the integrator's method cannot choose its steps by one (TVI_EUNSUPPORTED). */
-TVI_NODISCARD tvi_status tvi_check_tolerance(const tvi_integrator *integrator, double tolerance);
+/* Checks the plan, and runs the integrator by it with these observers in the place of the plan's. */
+TVI_NODISCARD tvi_status tvi_run_observed(tvi_integrator *integrator, const tvi_run_plan *plan, tvi_observers observers,
+                                          double *t, double q[], double p[]);
 
 #endif

@@ -6,7 +6,7 @@
  * The norm of a distance is the largest difference of a coordinate, relative to the largest coordinate of the orbit, or
  * of a momentum, relative to the largest momentum; and of the time at which a terminal event ended the run, relative to
  * its duration. */
-#include "run/run.h"
+#include "run/plan.h"
 #include "system/refuse.h"
 
 #include <float.h>
@@ -120,12 +120,10 @@ static void make_run(search *s, tvi_integrator *it, double h, double tolerance, 
     const tvi_run_plan plan = {.h = h,
                                .tolerance = tolerance,
                                .t_end = s->plan->t_end,
+                               .has_t_end = true,
                                .largest_step = tolerance > 0 ? witness_limit(s) : 0,
                                .events = s->plan->events,
                                .event_count = s->plan->event_count};
-    const tvi_single_run made = {.mode = tolerance > 0 ? TVI_RUN_TO_TOLERANCE : TVI_RUN_TO_TIME,
-                                 .plan = &plan,
-                                 .observers = {.at_step = after_step, .ctx = s}};
     *run = (whole_run){.h = h, .end = run->end, .smallest_step = INFINITY};
     s->run = run;
     s->it = it;
@@ -137,7 +135,8 @@ static void make_run(search *s, tvi_integrator *it, double h, double tolerance, 
     memcpy(s->last, s->start, 2 * n * sizeof *s->last);
     memcpy(run->end, s->start, (2 * n + 1) * sizeof *run->end);
     tvi_integrator_reset(it);
-    run->status = tvi_run_integrator(it, &made, run->end + 2 * n, run->end, run->end + n);
+    run->status = tvi_run_observed(it, &plan, (tvi_observers){.at_step = after_step, .ctx = s}, run->end + 2 * n,
+                                   run->end, run->end + n);
     if (!s->is_stopped) s->is_stopped = is_told_to_stop(s, run->end[2 * n], run->end, run->end + n);
     if (run->status == TVI_ESTOPPED && !s->is_stopped)
         run->status =

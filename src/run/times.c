@@ -31,15 +31,17 @@ tvi_status tvi_times_check(const tvi_integrator *it, const tvi_single_run *run, 
 {
     const int n = it->system->n, count = run->plan->time_count;
     const double h = run->plan->h, *times = run->plan->times;
-    if (count < 0) return jet_refuse(TVI_EINVAL, "count is negative");
-    if (count > 0 && !times) return jet_refuse(TVI_EINVAL, "times is NULL");
     if (!tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_nonfinite_state(n, t, q, "p", p);
     *continues_last_step =
         does_last_step_end_at_state(it, h, t, q, p) && tvi_columns_match_last_step_end(it, &run->columns);
     const int first = find_first_time_out_of_order(h, *continues_last_step ? it->start.q[n] : t, times, count);
-    return first == count
+    if (first < count)
+        return jet_refuse(TVI_EINVAL, "times[%d] = %g is not in order, or not finite", first, times[first]);
+    return !run->plan->has_t_end ||
+                   (h > 0 ? times[count - 1] <= run->plan->t_end : times[count - 1] >= run->plan->t_end)
                ? TVI_OK
-               : jet_refuse(TVI_EINVAL, "times[%d] = %g is not in order, or not finite", first, times[first]);
+               : jet_refuse(TVI_EINVAL, "times[%d] = %g is beyond t_end = %g", count - 1, times[count - 1],
+                            run->plan->t_end);
 }
 
 /* Reports the next given time with its state q, p, by calling the observer. */
@@ -112,13 +114,4 @@ tvi_status tvi_times_open(tvi_times_progress *times_progress, tvi_integrator *it
 void tvi_times_close(tvi_times_progress *times_progress)
 {
     if (times_progress->partial_step.full_step_integrator) tvi_partial_step_close(&times_progress->partial_step);
-}
-
-tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], int count, double *t, double q[],
-                            double p[], tvi_observer *observer, void *ctx)
-{
-    const tvi_run_plan plan = {.h = h, .times = times, .time_count = count};
-    const tvi_observers observers = {.at_time = observer, .ctx = ctx};
-    return tvi_run_integrator(it, &(tvi_single_run){.mode = TVI_RUN_AT_TIMES, .plan = &plan, .observers = observers}, t,
-                              q, p);
 }

@@ -119,12 +119,13 @@ static tvi_run_plan choose_plan(double times[TIMES])
     tvi_run_plan plan = {.h = below(8) == 0 ? 4 * H : H};
     const int mode = below(o.is_taylor && !o.is_rescaled ? 4 : 3);
     if (mode == 0) plan.steps = 1 + below(12);
-    if (mode == 1) plan.t_end = o.members.t[0] + uniform(0, 12) * plan.h;
+    if (mode == 1) plan.has_t_end = true, plan.t_end = o.members.t[0] + uniform(0, 12) * plan.h;
     if (mode == 2) {
         choose_times(times, plan.h);
         plan.times = times, plan.time_count = TIMES, plan.at_time = note;
     }
-    if (mode == 3) plan.h = 0, plan.tolerance = 1e-9, plan.t_end = o.members.t[0] + uniform(0, 3);
+    if (mode == 3)
+        plan.h = 0, plan.tolerance = 1e-9, plan.has_t_end = true, plan.t_end = o.members.t[0] + uniform(0, 3);
     if (below(3) == 0) plan.events = o.event, plan.event_count = 1 + below(2), plan.on_event = note;
     if (below(3) == 0) plan.at_step = note_step;
     if (below(3) == 0) plan.columns = COLUMNS;

@@ -153,7 +153,7 @@ tvi_run_plan plan_of(const random_run *r, notes *to)
     else plan.h = r->h;
     if (r->kind == BY_STEPS) plan.steps = r->steps;
     else if (r->kind == AT_TIMES) plan.times = r->times, plan.time_count = r->time_count, plan.at_time = note_time;
-    else plan.t_end = r->t_end;
+    else plan.t_end = r->t_end, plan.has_t_end = true;
     return plan;
 }
 

@@ -5,12 +5,13 @@
 #include "problems/refusals.h"
 #include "integrator/integrator.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
 /* ---- Every way, with everything ---------------------------------------------------------------------------------- */
 
-typedef enum { STEPS, TO, AT, TOLERANCE, WAYS } way_to_go;
+typedef enum { STEPS, TO, AT, AT_AND_TO, TOLERANCE, WAYS } way_to_go;
 enum { STEP_COUNT = 23, RESULTS = 7 };
 
 /* The plan of a way, from t = 0; of 23 steps, the last of them shorter where it goes to a time. */
@@ -20,8 +21,8 @@ static tvi_run_plan plan_of_way(way_to_go way, double h, double times[])
     tvi_run_plan plan = {.h = h, .size = sizeof(tvi_run_plan)};
     for (int i = 0; i < RESULTS; i++) times[i] = parts[i] * h + 0.0; /* no -0 */
     if (way == STEPS) plan.steps = STEP_COUNT;
-    if (way == TO || way == TOLERANCE) plan.t_end = (STEP_COUNT - 0.25) * h;
-    if (way == AT) plan.times = times, plan.time_count = RESULTS, plan.at_time = see_time;
+    if (way == TO || way == AT_AND_TO || way == TOLERANCE) plan.has_t_end = true, plan.t_end = (STEP_COUNT - 0.25) * h;
+    if (way == AT || way == AT_AND_TO) plan.times = times, plan.time_count = RESULTS, plan.at_time = see_time;
     if (way == TOLERANCE) plan.h = 0, plan.tolerance = 1e-10, plan.largest_step = 1.5 * fabs(h);
     return plan;
 }
@@ -133,14 +134,95 @@ START_TEST(runs_end_at_events)
     ck_assert_double_le(fabs(r.x.q[0]), 1e-15);
     const int told_then = d.of_kind[EVENT], times_then = d.of_kind[TIME];
     d.stop_at = 0;
-    if (way == AT) plan.times += times_then, plan.time_count -= times_then;
+    if (way == AT || way == AT_AND_TO) plan.times += times_then, plan.time_count -= times_then;
     d.times_before = times_then;
     const tvi_status status = tvi_run(r.integrator, &plan, &r.x.t, r.x.q, r.x.p);
     ck_assert_int_eq(status, is_terminal && d.of_kind[EVENT] > told_then ? TVI_ESTOPPED : TVI_OK);
-    if (way == AT && status == TVI_OK) ck_assert_int_eq(d.of_kind[TIME], RESULTS);
+    if (plan.times && status == TVI_OK) ck_assert_int_eq(d.of_kind[TIME], RESULTS);
     for (int i = 0; i < d.count; i++)
         ck_assert(&d.told[i] == last || d.told[i].kind != EVENT || fabs(d.told[i].x.t - last->x.t) > 0.1);
     tvi_event_free(event);
+    run_close(&r);
+}
+END_TEST
+
+/* A run with times and t_end ends as the run to t_end, and its results before the last step are those of the run to the
+ * times; the time t_end itself has the state of the end. Times beyond t_end are refused. */
+START_TEST(times_and_t_end)
+{
+    static plan_diary both, to, at;
+    const bool is_rescaled = _i % 2;
+    const pairing *pair = &pairings[_i / 4];
+    const double h = _i / 2 % 2 ? -pair->h : pair->h;
+    double times[RESULTS];
+    run r;
+    tvi_system *base;
+    if (open_pairing(&r, pair, is_rescaled, &base)) {
+        const point start = r.x;
+        for (way_to_go way = TO; way <= AT_AND_TO; way++) {
+            plan_diary *d = way == TO ? &to : way == AT ? &at : &both;
+            tvi_run_plan plan = plan_of_way(way, h, times);
+            if (plan.times) times[RESULTS - 1] = (STEP_COUNT - 0.25) * h;
+            start_diary(d, &r, 0);
+            r.x = start;
+            tvi_integrator_reset(r.integrator);
+            ck_assert_int_eq(run_with(&r, plan, WITH_STEPS, NULL, d), TVI_OK);
+        }
+        ck_assert(r.x.t == (STEP_COUNT - 0.25) * h && same_point(&r.x, &last_told(&to, STEP)->x));
+        ck_assert(same_point(&r.x, &last_told(&both, TIME)->x));
+        expect_same_told(&to, &both, STEP, false);
+        ck_assert_int_eq(both.of_kind[TIME], RESULTS);
+        const told *a = NULL, *b = NULL;
+        for (int i = 0; i < RESULTS - 1; i++) {
+            a = next_told(&at, TIME, a ? (int)(a - at.told) : -1);
+            b = next_told(&both, TIME, b ? (int)(b - both.told) : -1);
+            ck_assert(same_point(&a->x, &b->x) && a->which == b->which);
+        }
+        tvi_run_plan plan = plan_of_way(AT_AND_TO, h, times);
+        times[RESULTS - 1] = plan.t_end * (1 + DBL_EPSILON);
+        r.x = start;
+        refused("is beyond t_end", tvi_run(r.integrator, &plan, &r.x.t, r.x.q, r.x.p), TVI_EINVAL);
+    }
+    close_pairing(&r, base);
+}
+END_TEST
+
+/* A run to a time makes no step that is longer than h, wherever it is: not 1 unit of t, and not half of one. */
+START_TEST(last_step_is_not_longer)
+{
+    static plan_diary d;
+    const double start[] = {0, 0.7, 2451545, 1e12, 1e15}, h = _i % 2 ? -0.1 : 0.1;
+    for (int i = 0; i < 5; i++)
+        for (int k = 1; k <= 16; k++) {
+            run r = run_open(&scene_kepler, "galerkin", 8);
+            r.x.t = start[i];
+            const double t_end = r.x.t + 0.0625 * k * (h > 0 ? 1 : -1), duration = t_end - r.x.t;
+            const tvi_run_plan plan = {.h = h, .t_end = t_end, .has_t_end = true};
+            start_diary(&d, &r, 0);
+            ck_assert_int_eq(run_with(&r, plan, WITH_STEPS, NULL, &d), TVI_OK);
+            ck_assert_double_eq(r.x.t, t_end);
+            for (int j = 0; j < d.count; j++) ck_assert_double_le(fabs(d.told[j].h), fabs(h));
+            ck_assert_int_eq(d.count, (int)ceil(fabs(duration / h) * (1 - 1e-3 / 16)));
+            run_close(&r);
+        }
+}
+END_TEST
+
+/* A plan of no steps makes none, whatever t is, and leaves the integrator's last step as it is. */
+START_TEST(no_steps)
+{
+    run r = run_open(&scene_kepler, "galerkin", 8);
+    double q[2], p[2];
+    const tvi_run_plan none = {.h = -0.1};
+    r.x.t = 2;
+    const point start = r.x;
+    ck_assert_int_eq(tvi_run(r.integrator, &none, &r.x.t, r.x.q, r.x.p), TVI_OK);
+    ck_assert(same_point(&r.x, &start) && tvi_integrator_stats(r.integrator)->steps == 0);
+    ck_assert_int_eq(tvi_step(r.integrator, 0.1, &r.x.t, r.x.q, r.x.p), TVI_OK);
+    point other = start;
+    ck_assert_int_eq(tvi_run(r.integrator, &none, &other.t, other.q, other.p), TVI_OK);
+    ck_assert_int_eq(tvi_dense(r.integrator, 0.5, q, p), TVI_OK);
+    ck_assert(same_point(&other, &start) && tvi_integrator_stats(r.integrator)->steps == 1);
     run_close(&r);
 }
 END_TEST
@@ -255,7 +337,7 @@ START_TEST(columns_that_overflow)
     ck_assert_int_eq(tvi_system_potential(&system, 1, NULL, hill, NULL), TVI_OK);
     ck_assert_int_eq(tvi_integrator_create(&it, system, NULL), TVI_OK);
     ck_assert_int_eq(tvi_integrator_create(&same, system, NULL), TVI_OK);
-    const tvi_run_plan plan = {.h = 0.1, .t_end = 1, .D = D, .columns = 1};
+    const tvi_run_plan plan = {.h = 0.1, .t_end = 1, .has_t_end = true, .D = D, .columns = 1};
     refused("column 0 of D", tvi_run(it, &plan, &t, &q, &p), TVI_ETOOLARGE);
     ck_assert_int_eq(tvi_integrator_stats(it)->steps, 5);
     ck_assert_int_eq(tvi_integrate(same, 0.1, 5, &same_t, &same_q, &same_p, NULL, NULL), TVI_OK);
@@ -375,6 +457,9 @@ Suite *suite_plans(void)
     tcase_add_loop_test(tcase, nothing_changes_the_steps, 0, 4 * PAIRINGS);
     tcase_add_loop_test(tcase, runs_end_at_events, 0, 2 * WAYS);
     tcase_add_test(tcase, runs_end_after_times);
+    tcase_add_loop_test(tcase, times_and_t_end, 0, 4 * PAIRINGS);
+    tcase_add_loop_test(tcase, last_step_is_not_longer, 0, 2);
+    tcase_add_test(tcase, no_steps);
     tcase_add_loop_test(tcase, columns_in_two_calls, 0, 2 * PAIRINGS);
     tcase_add_test(tcase, columns_that_overflow);
     tcase_add_test(tcase, observers_of_steps);

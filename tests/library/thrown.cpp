@@ -45,7 +45,8 @@ static std::vector<tvi_run_plan> list_plans(const tvi_event *const events[], con
     std::vector<tvi_run_plan> plans(3);
     for (tvi_run_plan &plan : plans) plan.h = 0.25, plan.ctx = ctx;
     plans[0].steps = 5000, plans[0].at_step = throw_seven;
-    plans[1].t_end = 1000, plans[1].events = events, plans[1].event_count = 1, plans[1].on_event = throw_seven;
+    plans[1].t_end = 1000, plans[1].has_t_end = true, plans[1].events = events, plans[1].event_count = 1,
+    plans[1].on_event = throw_seven;
     plans[2].times = times, plans[2].time_count = 2, plans[2].at_time = throw_seven;
     return plans;
 }

@@ -201,7 +201,8 @@ static void plans()
     std::vector<double> q = {1, 0}, p = {0, 0.8}, D = {1, 0, 0, 0}, q_same = q, p_same = p;
     int found = 0, steps = 0;
     tvi_run_plan plan = {};
-    plan.h = 0.25, plan.t_end = 3.1, plan.events = events, plan.event_count = 1, plan.D = D.data(), plan.columns = 1;
+    plan.h = 0.25, plan.t_end = 3.1, plan.has_t_end = true, plan.events = events, plan.event_count = 1,
+    plan.D = D.data(), plan.columns = 1;
     const auto on_event = [&](int member, int which, double, const double *, const double *) {
         found += member == 0 && which == 0;
         at_event = D[0];

@@ -173,25 +173,29 @@ int main(void)
     const tvi_event *const events[] = {event};
     run("steps", system, NULL, (tvi_run_plan){.h = 0.25, .steps = 5000}, 0);
     run("verlet", system, &verlet, (tvi_run_plan){.h = 0.01, .steps = 5000}, 0);
-    run("back", system, NULL, (tvi_run_plan){.h = -0.25, .t_end = -500.1}, 0);
-    run("to", system, NULL, (tvi_run_plan){.h = 0.25, .t_end = 500.1}, 0);
+    run("back", system, NULL, (tvi_run_plan){.h = -0.25, .t_end = -500.1, .has_t_end = true}, 0);
+    run("to", system, NULL, (tvi_run_plan){.h = 0.25, .t_end = 500.1, .has_t_end = true}, 0);
     run("at", system, NULL, (tvi_run_plan){.h = 0.25, .times = times, .time_count = 6, .at_time = tell}, 0);
+    run("at and to", system, NULL,
+        (tvi_run_plan){.h = 0.25, .t_end = 500.1, .has_t_end = true, .times = times, .time_count = 6, .at_time = tell},
+        0);
     run("events", system, NULL,
         (tvi_run_plan){.h = 0.25, .steps = 2000, .events = events, .event_count = 1, .on_event = tell}, 0);
     run("events to", system, NULL,
-        (tvi_run_plan){.h = 0.25, .t_end = 99, .events = events, .event_count = 1, .on_event = tell}, 0);
+        (tvi_run_plan){.h = 0.25, .t_end = 99, .has_t_end = true, .events = events, .event_count = 1, .on_event = tell},
+        0);
     run("tolerance", system, &taylor, (tvi_run_plan){.tolerance = 1e-12, .t_end = 30}, 0);
-    run("tangent", system, NULL, (tvi_run_plan){.h = 0.25, .t_end = 20.1, .D = D, .columns = 4}, 0);
+    run("tangent", system, NULL, (tvi_run_plan){.h = 0.25, .t_end = 20.1, .has_t_end = true, .D = D, .columns = 4}, 0);
     check(tvi_suggest_step(system, NULL, 0, q0, p0, 4000, 1e-9, &h));
     printf("suggested %a\n", h);
     check(tvi_compile(&code, system, &compiled, NULL));
     compiled.compiled = code;
-    run("compiled", system, &compiled, (tvi_run_plan){.h = 0.25, .t_end = 500.1}, 0);
+    run("compiled", system, &compiled, (tvi_run_plan){.h = 0.25, .t_end = 500.1, .has_t_end = true}, 0);
     tvi_compiled_free(code);
     run_ensemble(system);
 
     check(tvi_system_rescaled(&other, system, NULL, NULL));
-    run("rescaled", other, NULL, (tvi_run_plan){.h = 0.5, .t_end = 100.1}, 0);
+    run("rescaled", other, NULL, (tvi_run_plan){.h = 0.5, .t_end = 100.1, .has_t_end = true}, 0);
     tvi_system_free(other);
     check(tvi_system_rescaled(&other, system, scale, NULL));
     run("rescaled at", other, NULL, (tvi_run_plan){.h = 0.5, .times = times, .time_count = 6, .at_time = tell}, 0);

@@ -63,6 +63,7 @@ def runs():
         "back": run(system, h=-0.25, t_end=-500.1),
         "to": run(system, h=0.25, t_end=500.1),
         "at": run(system, h=0.25, times=TIMES),
+        "at and to": run(system, h=0.25, times=TIMES, t_end=500.1),
         "events": run(system, h=0.25, steps=2000, events=[radial]),
         "events to": run(system, h=0.25, t_end=99, events=[radial]),
         "tolerance": run(system, method="taylor", order=order, tolerance=1e-12, t_end=30),

@@ -73,7 +73,7 @@ static tvi_status go(tvi_ensemble *ensemble, const tvi_event *const events[], re
     const tvi_ensemble_plan plans[] = {
         {.h = 0.25, .steps = STEPS, .events = events, .event_count = 1, .on_event = note, .ctx = r},
         {.h = 0.25, .steps = STEPS, .D = r->D, .columns = 1},
-        {.h = 0.25, .t_end = 15},
+        {.h = 0.25, .t_end = 15, .has_t_end = true},
         {.h = 0.25, .steps = STEPS, .at_step = ask},
     };
     size_t size;

@@ -42,6 +42,7 @@ typedef struct {
     double h, tolerance;
     long steps;
     double t_end;
+    bool has_t_end;
     const double *times;
     int time_count;
     const tvi_event *const *events;

@@ -214,7 +214,7 @@ class Integrator(Made):
             tolerance: float | None = None, largest_step: float | None = None, events: Any = (),
             at_step: Callable | None = None, at_time: Callable | None = None,
             on_event: Callable | None = None) -> bool:
-        """A run: h and steps, h and t_end, h and times [k], or tolerance and t_end (perhaps with largest_step).
+        """A run: h and steps; h and t_end or times [k], or both; or tolerance and t_end (perhaps with largest_step).
 
         events: tvi.event, or several. at_step(step, t, q, p) is called after each step, at_time(which, t, q, p) at
         each time, both from 1, and on_event(which, t, q, p) at each event, from 0; q and p are copies, and a true

@@ -120,15 +120,11 @@ def _run(orbits: Ensemble, result: EnsembleResult, times: np.ndarray | None, t_e
         q, p = np.full((members, len(times), n), np.nan), np.full((members, len(times), n), np.nan)
 
         def at_time(member: int, which: int, t: float, q_there: np.ndarray, p_there: np.ndarray) -> None:
-            if which <= len(times):
-                q[member, which - 1], p[member, which - 1] = q_there, p_there
+            q[member, which - 1], p[member, which - 1] = q_there, p_there
 
         functions["at_time"] = at_time
-    if times is None:
-        way = (Way(result.h, None, t_end, None, None) if tolerance is None else
-               Way(None, None, t_end, None, tolerance, largest_step))
-    else:  # Events are told to t_end.
-        way = Way(result.h, None, None, times if len(times) and times[-1] == t_end else np.append(times, t_end), None)
+    way = Way(result.h if tolerance is None else None, None, t_end, times, tolerance,
+              largest_step if tolerance is not None else None)
     try:
         orbits._go(way, events, functions, after=lambda steps: progress.at(float(np.mean(orbits.t))))
         failed = int(np.sum(~np.isin(orbits.status, ("OK", "ESTOPPED"))))
@@ -139,8 +135,7 @@ def _run(orbits: Ensemble, result: EnsembleResult, times: np.ndarray | None, t_e
     finally:
         progress.end(float(np.mean(orbits.t)))
         told.sort(key=lambda row: row[1])  # Members are told of in any order, the events of one in order of time.
-        sign = 1 if t_end >= progress.start else -1
-        result.events = found([row for row in told if sign * row[2] <= sign * t_end], n, len(events))
+        result.events = found(told, n, len(events))
         result.q, result.p = (orbits.q.copy(), orbits.p.copy()) if times is None else (q, p)
         result.status, result.stats = orbits.status, orbits.stats
 

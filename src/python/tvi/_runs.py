@@ -21,14 +21,14 @@ PIECE = 0.05  # seconds of a call
 
 
 class Way:
-    """How far a run goes: h and steps, h and t_end, h and times, or tolerance and t_end."""
+    """How far a run goes: h and steps, h and t_end or times or both, or tolerance and t_end."""
 
     def __init__(self, h: Any, steps: Any, t_end: Any, times: Any, tolerance: Any, largest_step: Any = None):
         ends = [name for name, value in (("steps", steps), ("t_end", t_end), ("times", times)) if value is not None]
         if (h is None) == (tolerance is None):
             raise TypeError("a run takes h or a tolerance, and one of them")
-        if len(ends) != 1 or tolerance is not None and ends != ["t_end"]:
-            raise TypeError("a run takes steps, t_end or times, one of them" if tolerance is None
+        if len(ends) != 1 and ends != ["t_end", "times"] or tolerance is not None and ends != ["t_end"]:
+            raise TypeError("a run takes steps, t_end or times, one of them, or t_end and times" if tolerance is None
                             else "a run to a tolerance takes t_end")
         if largest_step is not None and tolerance is None:
             raise TypeError("largest_step is for runs to a tolerance")
@@ -117,6 +117,11 @@ def new_plan(way: Way, events: Any = None, tangent: Any = None) -> Any:
     return plan
 
 
+def given_times(times: np.ndarray) -> dict[str, Any]:
+    """The members of a plan that are given times."""
+    return {"times": pointer(times) if len(times) else ffi.NULL, "time_count": len(times)}
+
+
 class Course:
     """A run, call by call. `call()` makes what the plan says, `now()` are the times of its members, and is_cut says
     whether its steps can be counted. Calls end at multiples of `every` steps, and `after(steps)` is called after each
@@ -134,22 +139,33 @@ class Course:
         way = self._way
         if way.steps is not None:
             return self.make_steps(way.steps) if self._is_cut else self._whole(steps=way.steps)
-        if way.times is not None:
+        if way.t_end is None:
             return self._go_through(way.times)
-        status = self._approach(way.t_end) if self._is_cut else OK
-        return self._whole(t_end=way.t_end) if status == OK else status
+        return self._go_to(way.t_end, np.empty(0) if way.times is None else way.times)
 
-    def _set_end(self, steps: int = 0, t_end: float = 0.0, times: Any = ffi.NULL, time_count: int = 0) -> None:
+    def _go_to(self, t_end: float, times: np.ndarray) -> int:
+        """To t_end, and through times. Those that a step past t_end may contain are left to the last call."""
+        status = OK
+        if self._is_cut:
+            early = int(np.sum((t_end - times) * np.sign(self._way.h) > 2 * abs(self._way.h)))
+            if early:
+                status, times = self._go_through(times[:early]), times[early:]
+            if status == OK:
+                status = self._approach(times[0] if len(times) else t_end)
+        return self._whole(t_end=t_end, **given_times(times)) if status == OK else status
+
+    def _set_end(self, steps: int = 0, t_end: float | None = None, times: Any = ffi.NULL, time_count: int = 0) -> None:
         """The library takes an observer of times only beside times."""
         plan = self._plan
-        plan.steps, plan.t_end, plan.times, plan.time_count = steps, t_end, times, time_count
+        plan.steps, plan.times, plan.time_count = steps, times, time_count
+        plan.has_t_end, plan.t_end = t_end is not None, t_end or 0.0
         plan.at_time = self._at_time if time_count else ffi.NULL
 
     def _ended(self, status: int) -> int:
         return ESTOPPED if status == OK and self._after(self._made) else status
 
     def _whole(self, **end: Any) -> int:
-        if 0 in (end.get("steps"), end.get("time_count")):
+        if end.get("steps") == 0 or end == given_times(np.empty(0)):
             return OK
         self._set_end(**end)
         return self._ended(self._call())
@@ -185,7 +201,7 @@ class Course:
         """All times, in lists of those that a call reaches."""
         given, count, first, status = pointer(times), len(times), 0, OK
         if not self._is_cut or count == 0 or np.any(np.diff(times) * self._way.h < 0):
-            return self._whole(times=given, time_count=count)
+            return self._whole(**given_times(times))
         while first < count and status == OK:
             status = self._approach(times[first])
             if status != OK:

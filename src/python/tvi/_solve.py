@@ -114,15 +114,13 @@ class Run:
             functions["on_event"] = lambda member, which, t, q, p: self.told.append((which, member, t, q, p))
         times = dense = None
         if t_eval is not None and "h" in self.way:
-            times = np.append(t_eval, self.t_end) if len(t_eval) == 0 or t_eval[-1] != self.t_end else t_eval
-            rows: list[tuple] = []
+            times, rows = t_eval, []
             functions["at_time"] = lambda member, which, t, q, p: rows.append((t, q, p))
         elif t_eval is not None:
             dense = Dense(it, t_eval)
             dense.start()
             rows = dense.rows
-        way = Way(self.way.get("h"), None, None if times is not None else self.t_end, times, self.way.get("tolerance"),
-                  self.way.get("largest_step"))
+        way = Way(self.way.get("h"), None, self.t_end, times, self.way.get("tolerance"), self.way.get("largest_step"))
         in_pieces = recorder is not None and it._is_counted(way) and times is None and not events
         after_step = self._after_step(None if in_pieces else recorder, dense)
         cuts = {"every": recorder.every} if in_pieces else {}
@@ -136,7 +134,7 @@ class Run:
             self.result.status, self.result.message = -2, f"interrupted at t = {it.t}"
             raise
         finally:
-            self._keep(rows if t_eval is not None else None, 0 if t_eval is None else len(t_eval), len(events))
+            self._keep(rows if t_eval is not None else None, len(events))
 
     def _after_step(self, recorder: Recorder | None, dense: Dense | None) -> Callable | None:
         if recorder is None and dense is None:
@@ -163,24 +161,19 @@ class Run:
 
         return after
 
-    def _keep(self, rows: list | None, asked: int, count: int) -> None:
+    def _keep(self, rows: list | None, count: int) -> None:
         """Puts what was reached into the result, however the run ended."""
         it, result, n = self.integrator, self.result, self.integrator.system.n
         self.progress.end(it.t)
-        last = None
         if self.recorder is not None:
             self.recorder.keep(it.t, it.q, it.p)
-            states = self.recorder.arrays()
-            recorded = states
+            states = recorded = self.recorder.arrays()
         if rows is not None:
-            is_at_end = result.status == 0 and rows and rows[-1][0] == self.t_end
-            last = rows[-1] if is_at_end else None
-            states = (np.array([row[0] for row in rows[:asked]], dtype=float),
-                      *(np.array([row[i] for row in rows[:asked]], dtype=float).reshape(-1, n) for i in (1, 2)))
+            states = (np.array([row[0] for row in rows], dtype=float),
+                      *(np.array([row[i] for row in rows], dtype=float).reshape(-1, n) for i in (1, 2)))
         result.t, result.q, result.p = states
-        sign = 1 if self.t_end >= self.progress.start else -1
-        result.events = found([row for row in self.told if sign * row[2] <= sign * self.t_end], n, count)
-        result.t_end, result.q_end, result.p_end = last or (it.t, it.q.copy(), it.p.copy())
+        result.events = found(self.told, n, count)
+        result.t_end, result.q_end, result.p_end = it.t, it.q.copy(), it.p.copy()
         result.stats = it.stats
         if self.recorder is not None:
             result.sol = Solution(it, self.way, recorded, result.t_end)
