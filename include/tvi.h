@@ -97,22 +97,36 @@ typedef jet tvi_rescale_fn(const jet q[], const jet p[], jet t, void *ctx);
  * each step covers about h g of time (docs/adaptive.md). Inside, steps are made with K = g (H + e) in (q, t) and (p,
  * e): *t moves on with q, and e = -H at the start of a run belongs to the integrator. If g goes to 0 along the orbit, a
  * run to a time need not end. Everything else is as for the system: its n, its energy, results and events at times t.
- * Methods of type I and Stormer-Verlet do not serve it. It shares nothing with the system. g NULL: the automatic g,
- * whose power -4 is the sum of the fourth powers of the local frequencies, so that h is a phase. For a potential it is
- * (tr (M^-1 V_qq)^2)^(-1/4); for Kepler r^(3/2) / 6^(1/4), in the plane r^(3/2) / 5^(1/4). For a Hamiltonian g^-4 = tr
- * D^2 + (tr C^2)^2 / 4, with G = H_pp, C = H_pq - G H_qp G^-1, D = -G (H_qq - H_qp G^-1 H_pq), which is positive if G
- * is definite, unless both terms are 0. If G is singular everywhere, it is tr (J H'')^4 / 2. It depends on no units,
- * masses, linear point transformations and gauges, and records n^2 second derivatives. It has no value if they are all
- * 0: a system of one degree of freedom whose force has an inflection needs a g of its own. The automatic g does not
- * know weak features that are crossed fast. For this reason steps with it are refused at smaller tails than
- * TVI_MAX_TAIL, unless the options have a max_tail.
- *   TVI_EUNSUPPORTED  a force, a rescaled system, a Lagrangian that is not recognised as separable: write its
- *                     Hamiltonian
+ * Methods of type I and Stormer-Verlet do not serve it. It shares nothing with the system. Where g depends on a
+ * coordinate with a mass of at most 1e-8 of the largest, K would push it by truncation errors of the others: the system
+ * is refused, and with tvi_bodies_scale of test particles it is that of tvi_system_rescaled_reversible. g NULL: the
+ * automatic g, whose power -4 is the sum of the fourth powers of the local frequencies, so that h is a phase. For a
+ * potential it is (tr (M^-1 V_qq)^2)^(-1/4); for Kepler r^(3/2) / 6^(1/4), in the plane r^(3/2) / 5^(1/4). For a
+ * Hamiltonian g^-4 = tr D^2 + (tr C^2)^2 / 4, with G = H_pp, C = H_pq - G H_qp G^-1, D = -G (H_qq - H_qp G^-1 H_pq),
+ * which is positive if G is definite, unless both terms are 0. If G is singular everywhere, it is tr (J H'')^4 / 2. It
+ * depends on no units, masses, linear point transformations and gauges, and records n^2 second derivatives. It has no
+ * value if they are all 0: a system of one degree of freedom whose force has an inflection needs a g of its own. The
+ * automatic g does not know weak features that are crossed fast. For this reason steps with it are refused at smaller
+ * tails than TVI_MAX_TAIL, unless the options have a max_tail.
+ *   TVI_EUNSUPPORTED  a force, a driven or a rescaled system, a Lagrangian that is not recognised as separable: write
+ *                     its Hamiltonian; a mass that is too light for K
  *   TVI_EDOMAIN       g is a number that is not positive, or the automatic g has no value anywhere. If g is a function,
  *                     the step is refused, and tvi_last_error speaks of its jet_sqrt, or of the automatic g
  *   others            as of tvi_system_hamiltonian; n + 1 is at most the maximum
  * *out is NULL on failure. */
 TVI_NODISCARD tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_rescale_fn *g, void *ctx);
+
+/* Creates the same system with steps that adapt in the reversible form (docs/adaptive.md): q' = g dq/dt, p' = g dp/dt,
+ * t' = g by s, for "galerkin". It needs no Hamiltonian: it serves forces, driven systems and any masses, also bodies so
+ * light that the energy says nothing of them, which K = g (H + e) pushes by (H + e) g_q. Its steps are symmetric and
+ * not symplectic: what is reversible keeps its actions without drift. Everything else is as for tvi_system_rescaled.
+ *   TVI_EUNSUPPORTED  a rescaled system, a Lagrangian whose momenta are not M v + f(q, t); g NULL for a force, a driven
+ *                     system or a Lagrangian
+ *   TVI_EDOMAIN       as of tvi_system_rescaled
+ *   others            as of tvi_system_hamiltonian; n + 1 is at most the maximum
+ * *out is NULL on failure. */
+TVI_NODISCARD tvi_status tvi_system_rescaled_reversible(tvi_system **out, const tvi_system *system, tvi_rescale_fn *g,
+                                                        void *ctx);
 
 /* Forces that no potential gives, such as friction, drag, control, at (q, v, t) with v = dq/dt: the function sets
  * force[0..n-1]. */

@@ -349,6 +349,11 @@ class hamiltonian : public system
     }
 };
 
+/* Pass it to rescaled for the reversible form, tvi_system_rescaled_reversible. */
+struct reversible_form {
+};
+constexpr reversible_form reversible{};
+
 /* The callable is jet scale(const jet *q, const jet *p, jet t); without it, the automatic time scale is used. */
 class rescaled : public system
 {
@@ -362,6 +367,12 @@ class rescaled : public system
     {
         own(scale, [&](tvi_system **out, void *g) {
             return tvi_system_rescaled(out, base.get(), detail::value_of<Function>, g);
+        });
+    }
+    template <class Function> rescaled(const system &base, Function scale, reversible_form)
+    {
+        own(scale, [&](tvi_system **out, void *g) {
+            return tvi_system_rescaled_reversible(out, base.get(), detail::value_of<Function>, g);
         });
     }
 };

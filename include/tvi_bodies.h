@@ -23,7 +23,7 @@ extern "C" {
 
 /* These are in tvi_bodies.h. Body i has the coordinates q[axes i], ..., q[axes i + axes - 1], n = bodies * axes. All
  * but the first three members may be 0. A body of mass 0 is a test particle: it moves as if it had 1e-30 of the largest
- * mass, attracts no other test particle, and g does not see it where two bodies have masses (docs/limits.md). */
+ * mass, and attracts no other test particle (docs/limits.md). */
 typedef struct {
     int bodies, axes;           /* n at most TVI_MAX_DIMENSION; 1 to 3 axes */
     const double *mass;         /* [bodies], one a body, not all of them 0 */
@@ -50,8 +50,8 @@ TVI_NODISCARD tvi_status tvi_bodies_system(tvi_system **out, const tvi_bodies *b
 jet tvi_bodies_potential(const jet q[], jet t, void *ctx);
 
 /* This is a tvi_rescale_fn, the g for tvi_system_rescaled (docs/adaptive.md), whose ctx is a tvi_bodies:
- *   g = (sum_{i<j} ((G (m_i + m_j))^(1/3) / r_ij)^k)^(-3/(2k)), of a single pair (r^3 / (G (m_i + m_j)))^(1/2).
- * Beside two or more masses it does not see test particles: an eccentric one needs tvi_bodies_field_scale. */
+ *   g = (sum_{i<j} ((G (m_i + m_j))^(1/3) / r_ij)^k)^(-3/(2k)), of a single pair (r^3 / (G (m_i + m_j)))^(1/2),
+ * over all pairs of which one has a mass. With test particles tvi_system_rescaled makes the reversible form of it. */
 jet tvi_bodies_scale(const jet q[], const jet p[], jet t, void *ctx);
 
 /* Records the potential of a mass of 1 at x[axes] that moves nobody. The bodies are at[n], numbers or jets of t. */

@@ -127,6 +127,7 @@ static bool is_field_met(comparison *with)
             if (!is_row_met(with, i, h * curve->kappa[i], with->largest_u, row)) return false;
             break;
         case TVI_HAMILTONIAN:
+        case TVI_FIELD:
             sum_at_places(curve, curve->q_degree, Q, defect->slope, row);
             if (!is_row_met(with, n + i, h, with->largest_q, row)) return false;
             sum_at_places(curve, curve->p_degree, u, defect->slope, row);

@@ -139,7 +139,7 @@ const tvi_descriptor tvi_taylor = {
     .nodes = {{"taylor", 1, -1}},
     .least_degree = 2,
     .most_degree = TVI_MAX_DEGREE,
-    .supports = &tvi_supports_all,
+    .supports = &tvi_supports_all_but_field,
     .stepper = &tvi_stepper_taylor,
     .curve = {.step_span = {0, 1, 1}},
 };

@@ -144,6 +144,7 @@ static tvi_status compute_lagrange(tvi_action *action, tvi_curve *curve, bool ha
         copy_outputs(action, n, n, 1, action->by_v);
         break;
     case TVI_HAMILTONIAN:
+    case TVI_FIELD:
         status = tvi_action_find_momenta(action, curve);
         copy_outputs(action, n, 0, -tau, action->by_q);
         memcpy(action->by_v, second, (size_t)count * sizeof *second);

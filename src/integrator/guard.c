@@ -47,8 +47,7 @@
 /* Tells whether the system has a conserved energy, and the user has not switched off the guard (max_tail < 0). */
 static bool has_conserved_energy_to_check(const tvi_integrator *it)
 {
-    const bool rescaled = tvi_is_rescaled(it); /* A rescaled system conserves K = g (H + e). */
-    const bool is_conserved = rescaled || !(it->system->uses_time || it->system->is_driven);
+    const bool is_conserved = tvi_steps_K(it) || !(it->system->uses_time || it->system->is_driven);
     return it->energy_work.tape_block && it->options.max_tail >= 0 && is_conserved;
 }
 
@@ -258,7 +257,7 @@ static bool does_energy_change_too_much(tvi_integrator *it, double energy_after)
     if (!reference->is_H_known) return isfinite(before) && isinf(energy_after);
     reference->H = energy_after;
     const double p_dot_velocity = mean_p_dot_velocity(it), roundoff = energy_roundoff(it, before),
-                 change_of_e = tvi_is_rescaled(it) ? it->increments.dp[it->system->n] : 0,
+                 change_of_e = tvi_steps_K(it) ? it->increments.dp[it->system->n] : 0,
                  change = fabs(energy_after - before + change_of_e);
     const bool needs_scale = change > roundoff || (has_energy_change_bound(it) && !reference->was_zero_level_searched);
     if (!reference->has_energy_scale && needs_scale) set_zero_level_and_scale(it, before, roundoff);

@@ -49,7 +49,7 @@ static void allocate_energy_memory(tvi_integrator *integrator, tvi_arena *arena)
     const tvi_system *system = integrator->system;
     if (system->energy && (tvi_is_rescaled(integrator) || integrator->options.max_tail >= 0))
         tvi_energy_allocate(&integrator->energy_work, arena, system);
-    if (tvi_is_rescaled(integrator))
+    if (tvi_steps_K(integrator))
         tvi_energy_allocate_long_double(&integrator->rescaled_hamiltonian_work, arena, integrator->stepped);
     integrator->field_block = tvi_arena_allocate_block(arena, integrator->stepped->field_values, 1, 1, 0);
 }

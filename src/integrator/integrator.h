@@ -90,6 +90,12 @@ static inline bool tvi_is_rescaled(const tvi_integrator *integrator)
     return integrator->system->stepped_system != integrator->system;
 }
 
+/* Tells whether the steps are those of the Hamiltonian K = g (H + e), and not of the reversible form. */
+static inline bool tvi_steps_K(const tvi_integrator *integrator)
+{
+    return tvi_is_rescaled(integrator) && integrator->stepped->form == TVI_HAMILTONIAN;
+}
+
 /* Prepares a step from the given state. If the state differs from the result of the last step, a new run begins: the
  * state is loaded, and the history is cleared. */
 TVI_NODISCARD tvi_status tvi_integrator_begin_step(tvi_integrator *integrator, double t, const double q[],

@@ -71,7 +71,9 @@ tvi_status tvi_integrator_begin_step(tvi_integrator *it, double t, const double 
     it->state.q[n] = t;
     memcpy(it->run_start, it->state.q, (n + 1) * sizeof *q);
     memcpy(it->run_start + n + 1, p, n * sizeof *p);
-    return tvi_is_rescaled(it) ? set_energy_offset_e(it) : TVI_OK;
+    if (tvi_steps_K(it)) return set_energy_offset_e(it);
+    if (tvi_is_rescaled(it)) it->state.p[n] = 0;
+    return TVI_OK;
 }
 
 /* ---- The increments ---------------------------------------------------------------------------------------------- */
@@ -113,7 +115,8 @@ static bool is_field_finite_at_start(tvi_integrator *it)
     const int n = system->n;
     memcpy(it->field_block, it->state.q, (size_t)n * sizeof *it->field_block);
     for (int i = n; i < system->input_count; i++) it->field_block[i] = 0;
-    if (system->form == TVI_HAMILTONIAN) memcpy(it->field_block + n, it->state.p, (size_t)n * sizeof *it->field_block);
+    if (system->form == TVI_HAMILTONIAN || system->form == TVI_FIELD)
+        memcpy(it->field_block + n, it->state.p, (size_t)n * sizeof *it->field_block);
     tvi_system_write_time(system, it->field_block, 1, &it->state.q[n]);
     bool is_finite = tape->interpreter_sweeps->values(tape, it->field_block, 1);
     for (int i = 0; i < tape->output_count; i++)
@@ -233,7 +236,7 @@ static long make_unchecked_steps(tvi_integrator *it, long most_steps, double h, 
 /* Adds the size and the start of a failed step to the error text, and returns its status. */
 static tvi_status add_step_to_error_text(const tvi_integrator *it, tvi_status status)
 {
-    const char *const of = tvi_is_rescaled(it) ? " in s, of K = g (H + e)," : "";
+    const char *const of = tvi_steps_K(it) ? " in s, of K = g (H + e)," : tvi_is_rescaled(it) ? " in s" : "";
     return jet_refuse(status, "step of %g%s from t = %g: %s", it->h, of, it->state.q[it->system->n],
                       jet_last_refusal_text());
 }

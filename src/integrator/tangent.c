@@ -66,12 +66,12 @@ static void free_tangent(tvi_tangent *tangent)
 static tvi_status allocate_tape_blocks(tvi_integrator *it, tvi_tangent *tangent)
 {
     const jet_tape *flow = it->stepped->field_values, *change = tangent->lifted_system->energy;
-    const size_t numbers = (size_t)flow->slot_count + (size_t)change->slot_count;
+    const size_t numbers = (size_t)flow->slot_count + (change ? (size_t)change->slot_count : 0);
     tangent->field_block = malloc(numbers * sizeof *tangent->field_block);
     if (!tangent->field_block) return TVI_ENOMEM;
-    tangent->energy_block = tangent->field_block + flow->slot_count;
     jet_tape_prepare_block(flow, tangent->field_block, 1, 1);
-    jet_tape_prepare_block(change, tangent->energy_block, 1, 1);
+    if (change) tangent->energy_block = tangent->field_block + flow->slot_count;
+    if (change) jet_tape_prepare_block(change, tangent->energy_block, 1, 1);
     it->stats.bytes += numbers * sizeof *tangent->field_block;
     return TVI_OK;
 }
@@ -279,7 +279,7 @@ static tvi_status multiply_column_by_jacobian(const tvi_integrator *it, const di
     const int n = it->system->n;
     const bool rescaled = tangent->field_block != NULL;
     const double *dq = tangent->column, *dp = dq + tangent->n;
-    tvi_status status = rescaled ? set_column_de(it, step) : TVI_OK;
+    tvi_status status = tangent->energy_block ? set_column_de(it, step) : TVI_OK;
     if (status == TVI_OK) status = multiply_column_at_fixed_s(it, step);
     if (status == TVI_OK && rescaled) status = project_column_to_fixed_time(it, step);
     for (int row = 0; row < n; row++) {

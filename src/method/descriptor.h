@@ -55,13 +55,14 @@ typedef struct {
 /* ---- Methods ----------------------------------------------------------------------------------------------------- */
 
 /* The forms of systems, as bits: separable, with a Lagrangian, with a Hamiltonian whose H_pp is regular, with one
- * whose H_pp is singular everywhere, and driven. */
+ * whose H_pp is singular everywhere, driven, and a field of rates. */
 enum {
     TVI_SUPPORTS_SEPARABLE = 1,
     TVI_SUPPORTS_LAGRANGIAN = 2,
     TVI_SUPPORTS_REGULAR = 4,
     TVI_SUPPORTS_DEGENERATE = 8,
-    TVI_SUPPORTS_DRIVEN = 16
+    TVI_SUPPORTS_DRIVEN = 16,
+    TVI_SUPPORTS_FIELD = 32
 };
 /* The forms of systems that a method can integrate, as a sum of the values above, and the error message for other
  * forms. */
@@ -70,9 +71,10 @@ typedef struct {
     const char *refusal_text; /* The error message for a form that is not in form_mask; NULL: no form is refused. */
 } tvi_supported_forms;
 
-/* All forms (tvi_supports_all), the forms of methods that need a Lagrangian (tvi_supports_type1), and the forms of
- * methods that need a Hamiltonian (tvi_supports_hamilton). */
-extern const tvi_supported_forms tvi_supports_all, tvi_supports_type1, tvi_supports_hamilton;
+/* All forms (tvi_supports_all), all but fields of rates (tvi_supports_all_but_field), the forms of methods that need a
+ * Lagrangian (tvi_supports_type1), and the forms of methods that need a Hamiltonian (tvi_supports_hamilton). */
+extern const tvi_supported_forms tvi_supports_all, tvi_supports_all_but_field, tvi_supports_type1,
+    tvi_supports_hamilton;
 
 /* A node rule of a method. At degree N the order is order_per_degree N + order_offset, rounded up to an even number if
  * the method is symmetric or composed. If both numbers are 0, the method does not have this rule. */

@@ -19,7 +19,9 @@ enum {
     TYPE1_SUPPORTS = TVI_SUPPORTS_SEPARABLE | TVI_SUPPORTS_LAGRANGIAN | TVI_SUPPORTS_REGULAR,
     HAMILTON_SUPPORTS = TVI_SUPPORTS_SEPARABLE | TVI_SUPPORTS_REGULAR | TVI_SUPPORTS_DEGENERATE
 };
-const tvi_supported_forms tvi_supports_all = {TYPE1_SUPPORTS | HAMILTON_SUPPORTS | TVI_SUPPORTS_DRIVEN, NULL};
+const tvi_supported_forms tvi_supports_all = {
+    TYPE1_SUPPORTS | HAMILTON_SUPPORTS | TVI_SUPPORTS_DRIVEN | TVI_SUPPORTS_FIELD, NULL};
+const tvi_supported_forms tvi_supports_all_but_field = {TYPE1_SUPPORTS | HAMILTON_SUPPORTS | TVI_SUPPORTS_DRIVEN, NULL};
 const tvi_supported_forms tvi_supports_type1 = {
     TYPE1_SUPPORTS,
     "type I needs a Hamiltonian with regular H_pp, and this one is degenerate: take type II, III or Poincare"};
@@ -106,6 +108,8 @@ static const char *find_why_unsupported(const tvi_descriptor *descriptor, const 
     if (system->is_driven)
         return forms & TVI_SUPPORTS_DRIVEN ? NULL
                                            : "a driven system has no generating function: take galerkin or taylor";
+    if (system->form == TVI_FIELD)
+        return forms & TVI_SUPPORTS_FIELD ? NULL : "the reversible form of a rescaled system is for galerkin";
     const int form = system->form == TVI_SEPARABLE    ? TVI_SUPPORTS_SEPARABLE
                      : system->form == TVI_LAGRANGIAN ? TVI_SUPPORTS_LAGRANGIAN
                      : system->is_regular             ? TVI_SUPPORTS_REGULAR

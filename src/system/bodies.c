@@ -96,8 +96,8 @@ static jet pair(const tvi_bodies *b, double k, double strength, bool bulges, con
     return jet_add(V, jet_mul(0.5 * strength * b->J2 * b->radius * b->radius, bulge));
 }
 
-/* Sums over pairs, i = 1, 2, ..., j < i, that have so many masses (1 or 2), in parts that the stack has room for. */
-static jet sum_over_pairs(const tvi_bodies *b, double k, int masses, const jet q[])
+/* Sums over pairs, i = 1, 2, ..., j < i, of which one has a mass, in parts that the stack has room for. */
+static jet sum_over_pairs(const tvi_bodies *b, double k, const jet q[])
 {
     enum { PART = 1024 };
     const double G = G_of(b);
@@ -106,7 +106,7 @@ static jet sum_over_pairs(const tvi_bodies *b, double k, int masses, const jet q
     for (int i = 1; i < b->bodies; i++)
         for (int j = 0; j < i; j++) {
             const double one = b->mass[i], other = b->mass[j];
-            if ((one != 0) + (other != 0) < masses) continue;
+            if (one == 0 && other == 0) continue;
             const double strength = k != 0 ? G * (one + other) : G * mass_of(b, i) * mass_of(b, j);
             if (count == PART) sum = jet_add(sum, jet_sum(term, count)), count = 0;
             term[count++] = pair(b, k, strength, i == b->oblate || j == b->oblate, q + i * b->axes, q + j * b->axes);
@@ -118,19 +118,18 @@ jet tvi_bodies_potential(const jet q[], jet t, void *ctx)
 {
     const tvi_bodies *b = ctx;
     (void)t;
-    return tvi_bodies_check(b) == TVI_OK ? sum_over_pairs(b, 0, 1, q) : jet_const(NAN);
+    return tvi_bodies_check(b) == TVI_OK ? sum_over_pairs(b, 0, q) : jet_const(NAN);
 }
 
 jet tvi_bodies_scale(const jet q[], const jet p[], jet t, void *ctx)
 {
     const tvi_bodies *b = ctx;
     double most = 0, sum = 0;
-    int heavy = 0;
     (void)p, (void)t;
     if (tvi_bodies_check(b) != TVI_OK) return jet_const(NAN);
-    for (int i = 0; i < b->bodies; i++) most = fmax(most, b->mass[i]), sum += b->mass[i], heavy += b->mass[i] > 0;
+    for (int i = 0; i < b->bodies; i++) most = fmax(most, b->mass[i]), sum += b->mass[i];
     const double k = b->sharpness > 0 ? b->sharpness : most > 10 * (sum - most) ? 3 : 1;
-    return jet_pow(sum_over_pairs(b, k, heavy < 2 ? 1 : 2, q), -1.5 / k);
+    return jet_pow(sum_over_pairs(b, k, q), -1.5 / k);
 }
 
 jet tvi_bodies_field(const tvi_bodies *b, const jet at[], const jet x[])

@@ -4,6 +4,7 @@
 #include "algebra/sizes.h"
 #include "system/refuse.h"
 #include "system/roundoff.h"
+#include "system/system.h"
 
 #include <float.h>
 #include <math.h>
@@ -99,32 +100,13 @@ static tvi_status record_events_in_one_graph(const tvi_event *const events[], in
     return status;
 }
 
-/* Sets used[i] if one of the values depends on input i. */
-static tvi_status find_used_inputs(const jet_graph *graph, int input_count, int value_count, const jet value[],
-                                   bool used[])
-{
-    const int nodes = jet_graph_node_count(graph);
-    bool *needed = calloc((size_t)nodes, sizeof *needed);
-    if (!needed) return TVI_ENOMEM;
-    for (int i = 0; i < value_count; i++) needed[value[i].node->index] = true;
-    for (int i = nodes - 1; i >= 0; i--) {
-        const struct jet_node *z = jet_graph_node_at(graph, i);
-        if (z->a) needed[z->a->index] |= needed[i];
-        if (z->b) needed[z->b->index] |= needed[i];
-        for (int term = 0; term < z->count; term++) needed[z->terms[term].node->index] |= needed[i];
-    }
-    memcpy(used, needed, (size_t)input_count * sizeof *used);
-    free(needed);
-    return TVI_OK;
-}
-
 tvi_status tvi_event_create_joint_tape(jet_tape **out, const tvi_event *const events[], int count, bool used[])
 {
     const int inputs = 2 * events[0]->n + 1;
     jet_graph *graph = jet_graph_create(inputs);
     jet *jets = calloc(2 * (size_t)inputs + (size_t)count, sizeof *jets);
     tvi_status status = graph && jets ? record_events_in_one_graph(events, count, graph, inputs, jets) : TVI_ENOMEM;
-    if (status == TVI_OK) status = find_used_inputs(graph, inputs, count, jets + 2 * inputs, used);
+    if (status == TVI_OK) status = tvi_system_find_used_inputs(graph, inputs, count, jets + 2 * inputs, used);
     *out = status == TVI_OK ? jet_tape_create(graph, inputs, count, jets + 2 * inputs, JET_TAPE_VALUES) : NULL;
     if (status == TVI_OK && !*out) status = TVI_ENOMEM;
     free(jets);

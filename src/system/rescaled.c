@@ -5,33 +5,48 @@
  * Equal steps in s are symplectic in (q, t, p, e). K and H are recorded by a walk through the recording of the user's
  * system.
  *
+ * The reversible form has no K, and needs no H: dq/ds = g dq/dt, dp/ds = g dp/dt, dt/ds = g. Steps of a symmetric
+ * method in it keep what is reversible, of any system and any masses.
+ *
  * The file also records the user's V, L or H once more in another graph, for rescaled and for driven systems. */
 #include "system/system.h"
 #include "system/refuse.h"
+#include "tvi_bodies.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 /* ---- The user's function ----------------------------------------------------------------------------------------- */
 
-/* Records the V, L or H of the user's system `base` in the graph of q, at the coordinates q, the time t, and the
- * velocities of L or momenta of H. NULL stands for velocities or momenta that are 0, since calloc makes each input the
- * number 0. */
-static jet record_user_function(const tvi_system *base, const jet q[], const jet velocities_or_momenta[], jet t)
+/* Records outputs of the recording of the user's system `base` in the graph of q, at the coordinates q, the time t, and
+ * the velocities of L or momenta of H. NULL stands for velocities or momenta that are 0, since calloc makes each input
+ * the number 0. Returns whether there was memory. */
+static bool record_outputs(const tvi_system *base, const jet q[], const jet velocities_or_momenta[], jet t, int count,
+                           const jet output[], jet value[])
 {
-    const int n = base->n, inputs = jet_graph_input_count(base->graph), time_index = base->energy_input_count;
+    const int n = base->n, inputs = jet_graph_input_count(base->graph), time_index = inputs > n + 1 ? 2 * n : n;
     jet_graph *graph;
     const jet refused = jet_find_common_graph_or_poison(1, q, &graph);
-    if (refused.node) return refused;
-    jet *input = calloc(2 * (size_t)inputs, sizeof *input), value, rate;
-    if (!input) return jet_make_poison(JET_NO_MEMORY);
+    for (int i = 0; i < count; i++) value[i] = refused;
+    if (refused.node) return true;
+    jet *input = calloc(2 * (size_t)inputs + (size_t)count, sizeof *input);
+    if (!input) return false;
     for (int i = 0; i < n; i++) input[i] = q[i];
     for (int i = n; i < time_index && velocities_or_momenta; i++) input[i] = velocities_or_momenta[i - n];
     input[time_index] = t;
-    const bool lifted = jet_record_forward_derivatives(base->graph, graph, input, input + inputs, NULL, 1,
-                                                       &base->user_function, &value, &rate);
+    const bool recorded = jet_record_forward_derivatives(base->graph, graph, input, input + inputs, NULL, count, output,
+                                                         value, input + 2 * inputs);
     free(input);
-    return lifted ? value : jet_make_poison(JET_NO_MEMORY);
+    return recorded;
+}
+
+/* Records the V, L or H of the user's system. */
+static jet record_user_function(const tvi_system *base, const jet q[], const jet velocities_or_momenta[], jet t)
+{
+    jet value;
+    return record_outputs(base, q, velocities_or_momenta, t, 1, &base->user_function, &value)
+               ? value
+               : jet_make_poison(JET_NO_MEMORY);
 }
 
 /* Records H. For a separable system H is sum p_i^2 / (2 m_i) + V, and V is the user's function at p = 0 or v = 0, up to
@@ -59,6 +74,7 @@ typedef struct {
     const tvi_system *base;
     tvi_rescale_fn *time_scale; /* The user's time scale g; NULL: it is automatic. */
     void *ctx;
+    int light_coordinate; /* A coordinate that is too light for K (find_light_coordinate), or -1. */
 } rescaling_request;
 
 /* ---- The time scale ---------------------------------------------------------------------------------------------- */
@@ -109,17 +125,113 @@ static jet record_user_time_scale(const rescaling_request *request, const jet q[
     return g;
 }
 
+/* Finds a coordinate on which g depends, and whose mass is at most LIGHTEST_MASS of the largest. K pushes it by (H + e)
+ * g_q / m, where H + e is the truncation error of the heavy ones at the nodes: no step is right that is not as
+ * accurate as the light one is light. Returns -1 if there is none. */
+static int find_light_coordinate(const tvi_system *base, jet g)
+{
+    static const double LIGHTEST_MASS = 1e-8;
+    jet_graph *graph;
+    double largest = 0;
+    int light = -1;
+    if (!base->has_masses || !g.node || jet_is_poison(g) || jet_find_common_graph_or_poison(1, &g, &graph).node)
+        return -1;
+    bool *used = calloc((size_t)base->n, sizeof *used);
+    if (!used || tvi_system_find_used_inputs(graph, base->n, 1, &g, used) != TVI_OK) {
+        free(used);
+        return -1;
+    }
+    for (int i = 0; i < base->n; i++) largest = fmax(largest, base->mass[i]);
+    for (int i = 0; i < base->n; i++)
+        if (used[i] && base->mass[i] <= LIGHTEST_MASS * largest) light = i;
+    free(used);
+    return light;
+}
+
 /* Records the two factors of K: factor = {g, H + e}. */
 static void record_factors_of_K(const jet q[], const jet p[], jet s, void *ctx, jet factor[2])
 {
-    const rescaling_request *request = ctx;
+    rescaling_request *request = ctx;
     const int n = request->base->n;
     (void)s;
     const jet H = tvi_record_user_hamiltonian(q, p, q[n], (void *)request->base);
     const jet g =
         request->time_scale ? record_user_time_scale(request, q, p) : tvi_record_automatic_time_scale(request->base, H);
+    request->light_coordinate = find_light_coordinate(request->base, g);
     factor[0] = require_positive_scale(g);
     factor[1] = jet_add(H, p[n]);
+}
+
+/* Records the velocities of a system whose momenta are p = M v + f(q, t): v = M^-1 (p - f), where f is L_v at v = 0.
+ * The scratch array `field` has 2n jets. */
+static bool record_velocities_of_masses(const tvi_system *base, const jet q[], const jet p[], jet t, jet field[],
+                                        jet v[])
+{
+    const int n = base->n;
+    const bool recorded = base->form == TVI_SEPARABLE || record_outputs(base, q, NULL, t, 2 * n, base->field, field);
+    for (int i = 0; i < n && recorded; i++) {
+        const jet f = base->form == TVI_SEPARABLE ? jet_const(0) : field[n + i];
+        v[i] = jet_div(jet_sub(p[i], f), base->mass[i]);
+    }
+    return recorded;
+}
+
+/* Records q' and p' of the user's system: rate [2n]. Returns whether there was memory. */
+static bool record_user_rates(const tvi_system *base, const jet q[], const jet p[], jet t, jet rate[])
+{
+    const int n = base->n, outputs = tvi_system_output_count(base);
+    const bool is_hamiltonian = base->form == TVI_HAMILTONIAN;
+    jet *field = malloc(3 * (size_t)n * sizeof *field), *v = field + 2 * n;
+    if (!field) return false;
+    bool recorded = is_hamiltonian || record_velocities_of_masses(base, q, p, t, field, v);
+    if (recorded) recorded = record_outputs(base, q, is_hamiltonian ? p : v, t, outputs, base->field, field);
+    for (int i = 0; i < n && recorded; i++) {
+        rate[i] = is_hamiltonian ? field[n + i] : v[i];
+        rate[n + i] = is_hamiltonian ? jet_neg(field[i]) : field[i];
+    }
+    free(field);
+    return recorded;
+}
+
+/* Records the rates by s of the reversible form: dq/ds = g q', dp/ds = g p', dt/ds = g. The momentum of t is 0. */
+static void record_rates_by_s(const jet q[], const jet p[], jet s, void *ctx, jet rate[])
+{
+    const rescaling_request *request = ctx;
+    const int n = request->base->n;
+    const jet g = require_positive_scale(
+        request->time_scale ? record_user_time_scale(request, q, p)
+                            : tvi_record_automatic_time_scale(
+                                  request->base, tvi_record_user_hamiltonian(q, p, q[n], (void *)request->base)));
+    (void)s;
+    jet *user_rate = malloc(2 * (size_t)n * sizeof *user_rate);
+    const bool recorded = user_rate && record_user_rates(request->base, q, p, q[n], user_rate);
+    for (int i = 0; i < n; i++) {
+        rate[i] = recorded ? jet_mul(g, user_rate[i]) : jet_make_poison(JET_NO_MEMORY);
+        rate[n + 1 + i] = recorded ? jet_mul(g, user_rate[n + i]) : jet_make_poison(JET_NO_MEMORY);
+    }
+    rate[n] = g;
+    rate[2 * n + 1] = jet_const(0);
+    free(user_rate);
+}
+
+/* Completes a rescaled system: the user's system once more, with the system in which steps are made. */
+static tvi_status finish_rescaled(tvi_system **out, const tvi_system *system, tvi_system *stepped, bool is_automatic)
+{
+    stepped->is_regular = false; /* K_ee = 0 */
+    stepped->has_automatic_scale = is_automatic;
+    stepped->has_tail_shares_without_momenta = system->has_masses;
+    const tvi_status status = tvi_system_copy(out, system);
+    if (status == TVI_OK) (*out)->stepped_system = stepped;
+    else tvi_system_free(stepped);
+    return status;
+}
+
+/* Tells whether one of the bodies has no mass. */
+static bool has_test_particle(const tvi_bodies *b)
+{
+    for (int i = 0; tvi_bodies_check(b) == TVI_OK && i < b->bodies; i++)
+        if (b->mass[i] == 0) return true;
+    return false;
 }
 
 tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_rescale_fn *g, void *ctx)
@@ -127,29 +239,48 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     if (!out) return jet_refuse(TVI_EINVAL, "out is NULL");
     *out = NULL;
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
-    const char *const unsupported = !system->energy ? "a force has no Hamiltonian: state the potential"
-                                    : system->is_driven
-                                        ? "a driven system has no Hamiltonian flow: take fixed steps, or a tolerance"
-                                    : system->form == TVI_LAGRANGIAN ? "state the Hamiltonian instead of the Lagrangian"
-                                    : system->stepped_system != system ? "the system is rescaled already"
-                                                                       : NULL;
+    const char *const unsupported =
+        system->stepped_system != system ? "the system is rescaled already"
+        : !system->energy || system->is_driven
+            ? "it has no Hamiltonian flow: take the reversible form, tvi_system_rescaled_reversible "
+              "(rescaled(g, reversible=True))"
+        : system->form == TVI_LAGRANGIAN ? "state the Hamiltonian instead of the Lagrangian, or take "
+                                           "tvi_system_rescaled_reversible"
+                                         : NULL;
     if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
-    rescaling_request request = {system, g, ctx};
-    tvi_system *stepped, *rescaled;
+    if (g == tvi_bodies_scale && has_test_particle(ctx)) return tvi_system_rescaled_reversible(out, system, g, ctx);
+    rescaling_request request = {system, g, ctx, -1};
+    tvi_system *stepped;
     tvi_status status = tvi_system_create_from_factors(&stepped, system->n + 1, record_factors_of_K, &request);
     if (status == TVI_EDOMAIN && !g)
         return jet_refuse(status, "K = g (H + e): the automatic g has no value (give a g of your own): %s",
                           jet_last_refusal_text());
     if (status != TVI_OK) return jet_refuse(status, "K = g (H + e): %s", jet_last_refusal_text());
-    stepped->is_regular = false; /* K_ee = 0 */
-    stepped->has_automatic_scale = !g;
-    stepped->has_tail_shares_without_momenta = system->has_masses;
-    status = tvi_system_hamiltonian(&rescaled, system->n, tvi_record_user_hamiltonian, (void *)system);
-    if (status != TVI_OK) {
+    if (request.light_coordinate >= 0) {
         tvi_system_free(stepped);
-        return status;
+        return jet_refuse(TVI_EUNSUPPORTED,
+                          "q[%d] has a mass of %g, too light for K = g (H + e): take the reversible form, "
+                          "tvi_system_rescaled_reversible (rescaled(g, reversible=True))",
+                          request.light_coordinate, system->mass[request.light_coordinate]);
     }
-    rescaled->stepped_system = stepped;
-    *out = rescaled;
-    return TVI_OK;
+    return finish_rescaled(out, system, stepped, !g);
+}
+
+tvi_status tvi_system_rescaled_reversible(tvi_system **out, const tvi_system *system, tvi_rescale_fn *g, void *ctx)
+{
+    if (!out) return jet_refuse(TVI_EINVAL, "out is NULL");
+    *out = NULL;
+    if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
+    const char *const unsupported = system->stepped_system != system ? "the system is rescaled already"
+                                    : system->form == TVI_LAGRANGIAN && !system->has_masses
+                                        ? "state the Hamiltonian instead of the Lagrangian"
+                                    : !g && (!system->energy || system->form == TVI_LAGRANGIAN || system->is_driven)
+                                        ? "the automatic g is for potentials and Hamiltonians: give a g of your own"
+                                        : NULL;
+    if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
+    rescaling_request request = {system, g, ctx, -1};
+    tvi_system *stepped;
+    const tvi_status status = tvi_system_create_from_rates(&stepped, system->n + 1, record_rates_by_s, &request);
+    if (status != TVI_OK) return jet_refuse(status, "the reversible form: %s", jet_last_refusal_text());
+    return finish_rescaled(out, system, stepped, !g);
 }

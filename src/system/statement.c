@@ -6,13 +6,15 @@
 
 #include <stdlib.h>
 
-/* The user's statement of a system. Exactly one of the first five functions and `base` is set. */
+/* The user's statement of a system. Exactly one of the first six functions, `copied` and `base` is set. */
 typedef struct {
     tvi_force_fn *force;
     tvi_potential_fn *potential;
     tvi_lagrangian_fn *lagrangian;
     tvi_hamiltonian_fn *hamiltonian;
     tvi_factors_fn *hamiltonian_factors;
+    tvi_rates_fn *rates;
+    const tvi_system *copied; /* The system that is recorded once more (tvi_system_copy). */
     const double *mass;
     void *ctx;
     const tvi_system *base;          /* The system whose lift is created (tvi_system_create_lift). */
@@ -36,6 +38,7 @@ typedef struct {
 static const char *user_function_name(const system_statement *statement)
 {
     if (statement->force) return "force";
+    if (statement->rates) return "time scale";
     return statement->potential ? "potential" : statement->lagrangian ? "Lagrangian" : "Hamiltonian";
 }
 
@@ -43,7 +46,8 @@ static const char *user_function_name(const system_statement *statement)
 static tvi_status begin_recording(system_recording *recording, int n, const system_statement *statement)
 {
     const bool general = statement->lagrangian || statement->hamiltonian || statement->hamiltonian_factors ||
-                         statement->has_canonical_lift_momenta;
+                         statement->rates || statement->has_canonical_lift_momenta ||
+                         (statement->copied && jet_graph_input_count(statement->copied->graph) > n + 1);
     const size_t count = (size_t)n, padded_count = tvi_padded_vector_count(n);
     tvi_system *system = recording->system = calloc(1, sizeof *system);
     if (!system) return TVI_ENOMEM;
@@ -197,6 +201,52 @@ static tvi_status record_hamiltonian(system_recording *recording, const system_s
     return record_r_dot_H_p_gradient(recording);
 }
 
+/* Records the rates (q', p') in the order of a Hamiltonian's field, (-p', q'). */
+static tvi_status record_rates(system_recording *recording, const system_statement *statement)
+{
+    tvi_system *system = recording->system;
+    const int n = system->n;
+    jet *rate = malloc(2 * (size_t)n * sizeof *rate);
+    if (!rate) return TVI_ENOMEM;
+    statement->rates(recording->q, recording->v, recording->t, statement->ctx, rate);
+    system->form = TVI_FIELD;
+    for (int i = 0; i < n; i++) {
+        recording->field[i] = jet_neg(rate[n + i]);
+        recording->field[n + i] = rate[i];
+    }
+    free(rate);
+    return TVI_OK;
+}
+
+/* Records the field and the user's function of another system once more, whose inputs are the same. */
+static tvi_status record_copy(system_recording *recording, const system_statement *statement)
+{
+    const tvi_system *base = statement->copied;
+    tvi_system *system = recording->system;
+    const int inputs = jet_graph_input_count(base->graph), outputs = tvi_system_output_count(base);
+    jet *input = calloc(2 * (size_t)inputs + (size_t)outputs, sizeof *input);
+    if (!input) return TVI_ENOMEM;
+    jet *no_direction = input + inputs, *no_rate = no_direction + inputs, rate;
+    for (int i = 0; i < inputs; i++) input[i] = jet_graph_input(system->graph, i);
+    bool recorded = jet_record_forward_derivatives(base->graph, system->graph, input, no_direction, NULL, outputs,
+                                                   base->field, recording->field, no_rate);
+    if (recorded && base->energy)
+        recorded = jet_record_forward_derivatives(base->graph, system->graph, input, no_direction, NULL, 1,
+                                                  &base->user_function, &recording->user_function, &rate);
+    free(input);
+    if (!recorded) return TVI_ENOMEM;
+    system->form = base->form;
+    system->is_driven = base->is_driven;
+    system->has_masses = base->has_masses;
+    system->energy_sign = base->energy_sign;
+    for (int i = 0; i < system->n; i++) system->mass[i] = base->mass[i];
+    if (base->energy && jet_graph_check_outputs(system->graph, 1, &recording->user_function) != TVI_OK)
+        return TVI_ENOMEM;
+    return system->form == TVI_LAGRANGIAN    ? tvi_hessian_record(system, &recording->field_and_hessian)
+           : system->form == TVI_HAMILTONIAN ? record_r_dot_H_p_gradient(recording)
+                                             : TVI_OK;
+}
+
 /* ---- The lift ---------------------------------------------------------------------------------------------------- */
 
 /* For each input i of the base (the system that is lifted), sets the jet of the lift's graph that stands for the input,
@@ -204,7 +254,7 @@ static tvi_status record_hamiltonian(system_recording *recording, const system_s
 static void set_lift_inputs(const system_recording *recording, const tvi_system *base, jet input[], jet direction[])
 {
     const int n = base->n, inputs = jet_graph_input_count(base->graph), time = inputs == n + 1 ? n : 2 * n;
-    const bool momenta = recording->system->form == TVI_HAMILTONIAN;
+    const bool momenta = recording->system->form != TVI_SEPARABLE && recording->system->form != TVI_LAGRANGIAN;
     for (int i = 0; i < inputs; i++) input[i] = direction[i] = jet_make_unset_poison();
     for (int i = 0; i < n; i++) {
         input[i] = recording->q[i];
@@ -251,7 +301,7 @@ static tvi_status record_field_of_tangent_lift(system_recording *recording, cons
     const int parameters = jet_graph_parameter_count(base->graph);
     system->is_regular = base->is_regular;
     system->has_masses = !statement->has_canonical_lift_momenta;
-    if (!system->has_masses) system->form = base->form == TVI_LAGRANGIAN ? TVI_LAGRANGIAN : TVI_HAMILTONIAN;
+    if (!system->has_masses) system->form = base->form == TVI_SEPARABLE ? TVI_HAMILTONIAN : base->form;
     for (int i = 0; i < system->n; i++) system->mass[i] = base->mass[i % base->n];
     const size_t inputs = (size_t)jet_graph_input_count(base->graph), outputs = (size_t)base->input_count;
     jet *jets = malloc((2 * (inputs + outputs) + (size_t)parameters) * sizeof *jets);
@@ -283,6 +333,8 @@ static tvi_status record_statement(system_recording *recording, const system_sta
     if (statement->lagrangian) return record_lagrangian(recording, statement);
     if (statement->hamiltonian_factors) return record_factored_hamiltonian(recording, statement);
     if (statement->hamiltonian) return record_hamiltonian(recording, statement);
+    if (statement->rates) return record_rates(recording, statement);
+    if (statement->copied) return record_copy(recording, statement);
     if (statement->potential) return record_potential(recording, statement);
     statement->force(recording->q, recording->t, recording->field, statement->ctx);
     return tvi_refuse_force_beyond_end(recording->system->n, recording->field);
@@ -299,7 +351,8 @@ static tvi_status create_tapes(system_recording *recording, const system_stateme
     system->field_series = jet_tape_create(system->graph, outputs, outputs, recording->field, JET_TAPE_SERIES);
     system->field_values = jet_tape_create(system->graph, outputs, outputs, recording->field, JET_TAPE_VALUES);
     if (!system->field_series || !system->field_values) return TVI_ENOMEM;
-    if (tvi_system_find_subsystems(system, statement->hamiltonian_factors != NULL) != TVI_OK) return TVI_ENOMEM;
+    const bool has_time_coordinate = statement->hamiltonian_factors || statement->rates;
+    if (tvi_system_find_subsystems(system, has_time_coordinate) != TVI_OK) return TVI_ENOMEM;
     system->has_tail_shares_without_momenta = system->has_masses;
     system->uses_time = system->field_series->input_count > outputs;
     if (system->form == TVI_HAMILTONIAN) {
@@ -308,8 +361,12 @@ static tvi_status create_tapes(system_recording *recording, const system_stateme
         if (!system->r_dot_Hp_values) return TVI_ENOMEM;
     }
     if (tvi_hessian_create_tape(system, recording->field_and_hessian) != TVI_OK) return TVI_ENOMEM;
-    if (statement->force || (statement->base && statement->base->form != TVI_HAMILTONIAN)) return TVI_OK;
-    system->energy_input_count = statement->potential ? n : 2 * n;
+    if (statement->force || statement->rates || (statement->base && statement->base->form != TVI_HAMILTONIAN) ||
+        (statement->copied && !statement->copied->energy))
+        return TVI_OK;
+    system->energy_input_count = statement->potential ? n
+                                 : statement->copied  ? statement->copied->energy_input_count
+                                                      : 2 * n;
     system->user_function = recording->user_function;
     system->energy =
         jet_tape_create(system->graph, system->energy_input_count, 1, &recording->user_function, JET_TAPE_VALUES);
@@ -324,7 +381,8 @@ static tvi_status record_system_and_tapes(tvi_system **out, int n, const system_
     tvi_status status = begin_recording(&recording, n, statement);
     if (status == TVI_OK) status = record_statement(&recording, statement);
     if (status == TVI_OK) status = create_tapes(&recording, statement);
-    if (status == TVI_OK && !statement->base) status = tvi_legendre_test_regularity(recording.system);
+    if (status == TVI_OK && !statement->base && !statement->rates)
+        status = tvi_legendre_test_regularity(recording.system);
     free(recording.q);
     free(recording.r_dot_H_p_gradient);
     free(recording.field_and_hessian);
@@ -340,7 +398,7 @@ static tvi_status create_system_from_statement(tvi_system **out, int n, const sy
     *out = NULL;
     if (n < 1 || n > TVI_MAX_DIMENSION) return jet_refuse(TVI_EINVAL, "n = %d is not 1 .. %d", n, TVI_MAX_DIMENSION);
     if (!statement->force && !statement->potential && !statement->lagrangian && !statement->hamiltonian &&
-        !statement->hamiltonian_factors)
+        !statement->hamiltonian_factors && !statement->rates)
         return jet_refuse(TVI_EINVAL, "the function is NULL");
     const tvi_status status = tvi_refuse_masses(n, statement->mass);
     return status == TVI_OK ? record_system_and_tapes(out, n, statement) : status;
@@ -351,6 +409,16 @@ tvi_status tvi_system_create_lift(tvi_system **out, const tvi_system *system, tv
     const bool is_paired = system->form != TVI_SEPARABLE || lift == TVI_LIFT_PAIRED;
     return record_system_and_tapes(out, 2 * system->n,
                                    &(system_statement){.base = system, .has_canonical_lift_momenta = is_paired});
+}
+
+tvi_status tvi_system_create_from_rates(tvi_system **out, int n, tvi_rates_fn *rates, void *ctx)
+{
+    return create_system_from_statement(out, n, &(system_statement){.rates = rates, .ctx = ctx});
+}
+
+tvi_status tvi_system_copy(tvi_system **out, const tvi_system *system)
+{
+    return record_system_and_tapes(out, system->n, &(system_statement){.copied = system});
 }
 
 tvi_status tvi_system_force(tvi_system **out, int n, const double mass[], tvi_force_fn *force, void *ctx)

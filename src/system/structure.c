@@ -1,8 +1,10 @@
-/* structure.c - Tests whether a recorded system is separable, and finds its masses. statement.c calls it. */
+/* structure.c - Tests whether a recorded system is separable, finds its masses, and finds the inputs that jets depend
+ * on. */
 #include "system/system.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Marks the nodes that depend on one of the n inputs that begin with first_input. */
 static void mark_nodes_dependent_on_inputs(const jet_graph *graph, int first_input, int n)
@@ -55,5 +57,23 @@ tvi_status tvi_system_find_masses(tvi_system *system, const jet velocity_gradien
     }
     *is_separable = system->has_masses && !is_coupled;
     free(node_factors);
+    return TVI_OK;
+}
+
+tvi_status tvi_system_find_used_inputs(const jet_graph *graph, int input_count, int value_count, const jet value[],
+                                       bool used[])
+{
+    const int nodes = jet_graph_node_count(graph);
+    bool *needed = calloc((size_t)nodes, sizeof *needed);
+    if (!needed) return TVI_ENOMEM;
+    for (int i = 0; i < value_count; i++) needed[value[i].node->index] = true;
+    for (int i = nodes - 1; i >= 0; i--) {
+        const struct jet_node *z = jet_graph_node_at(graph, i);
+        if (z->a) needed[z->a->index] |= needed[i];
+        if (z->b) needed[z->b->index] |= needed[i];
+        for (int term = 0; term < z->count; term++) needed[z->terms[term].node->index] |= needed[i];
+    }
+    memcpy(used, needed, (size_t)input_count * sizeof *used);
+    free(needed);
     return TVI_OK;
 }

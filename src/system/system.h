@@ -10,9 +10,10 @@
 /* The forms of equations of motion that the steppers know. A Lagrangian or a Hamiltonian whose structure allows it
  * becomes separable when it is created, and then costs as little as a potential. */
 typedef enum {
-    TVI_SEPARABLE,  /* M q'' = F(q, t), with M diagonal and constant */
-    TVI_LAGRANGIAN, /* d/dt L_v = L_q, with L(q, v, t)          */
-    TVI_HAMILTONIAN /* q' = H_p, p' = -H_q, with H(q, p, t)     */
+    TVI_SEPARABLE,   /* M q'' = F(q, t), with M diagonal and constant */
+    TVI_LAGRANGIAN,  /* d/dt L_v = L_q, with L(q, v, t)          */
+    TVI_HAMILTONIAN, /* q' = H_p, p' = -H_q, with H(q, p, t)     */
+    TVI_FIELD        /* q' = a(q, p, t), p' = b(q, p, t), rates that need come from no H */
 } tvi_form;
 
 /* The row and column of a second derivative: the numbers of two inputs, row >= column. */
@@ -21,11 +22,12 @@ typedef struct {
 } tvi_hessian_entry;
 
 /* A system. The inputs of the tapes of its field and its energy are q if it is separable; q, v of a Lagrangian; q, p
- * of a Hamiltonian; and then t if it is used. The outputs of the field are F; or L_q, L_v; or H_q, H_p. */
+ * of a Hamiltonian or of a field of rates; and then t if it is used. The outputs of the field are F; or L_q, L_v; or
+ * H_q, H_p; or -p', q', so that a field of rates reads as a Hamiltonian does. */
 struct tvi_system {
     int n;
-    /* The system in which steps are made: this system itself, or, if it is rescaled, the system with the Hamiltonian K
-     * in n + 1 coordinates (rescaled.c). */
+    /* The system in which steps are made: this system itself, or, if it is rescaled, a system in n + 1 coordinates:
+     * that of the Hamiltonian K, or the field of rates by s (rescaled.c). */
     tvi_system *stepped_system;
     tvi_form form;
     /* The number of inputs of the field without the time. If the time is used, it is the next input. */
@@ -82,6 +84,13 @@ struct tvi_system {
 typedef void tvi_factors_fn(const jet q[], const jet p[], jet t, void *ctx, jet factor[2]);
 TVI_NODISCARD tvi_status tvi_system_create_from_factors(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx);
 
+/* Creates a system of the form TVI_FIELD. The function `rates` records rate [2n] = (q', p'). */
+typedef void tvi_rates_fn(const jet q[], const jet p[], jet t, void *ctx, jet rate[]);
+TVI_NODISCARD tvi_status tvi_system_create_from_rates(tvi_system **out, int n, tvi_rates_fn *rates, void *ctx);
+
+/* Creates the same system once more: a walk through its recording, which shares nothing with it. */
+TVI_NODISCARD tvi_status tvi_system_copy(tvi_system **out, const tvi_system *system);
+
 /* Creates the lift of a system, which moves a state (q, p) together with a tangent vector (dq, dp). It has 2n
  * degrees of freedom, and the Hamiltonian H_q.dq + H_p.dp or the Lagrangian L_q.dq + L_v.dv (docs/method.md, section
  * 10). Its coordinates are (q, dq), and its momenta (dp, p). A separable system also has a separable lift, with the
@@ -130,6 +139,11 @@ TVI_NODISCARD tvi_status tvi_hessian_create_tape(tvi_system *system, const jet j
  * coordinate_gradient does not depend on v. Returns TVI_ENOMEM if memory is lacking. */
 TVI_NODISCARD tvi_status tvi_system_find_masses(tvi_system *system, const jet velocity_gradient[],
                                                 const jet coordinate_gradient[], bool *is_separable);
+
+/* Sets used[i], i < input_count, if one of the values depends on input i of the graph. Returns TVI_ENOMEM if memory is
+ * lacking. */
+TVI_NODISCARD tvi_status tvi_system_find_used_inputs(const jet_graph *graph, int input_count, int value_count,
+                                                     const jet value[], bool used[]);
 
 /* Finds the subsystems of the field, and sets system->subsystems and tail_subsystems. If the last coordinate is the
  * time, as in a rescaled system, the time becomes a subsystem of its own in tail_subsystems. The tail weighs each

@@ -16,6 +16,7 @@ Suite *suite_tangent(void);
 Suite *suite_refused(void);
 Suite *suite_scenes(void);
 Suite *suite_passes(void);
+Suite *suite_reversible(void);
 
 enum { MOST_N = 8 };
 

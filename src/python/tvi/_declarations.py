@@ -98,6 +98,7 @@ tvi_status tvi_system_potential(tvi_system **out, int n, const double mass[], tv
 tvi_status tvi_system_lagrangian(tvi_system **out, int n, tvi_lagrangian_fn *lagrangian, void *ctx);
 tvi_status tvi_system_hamiltonian(tvi_system **out, int n, tvi_hamiltonian_fn *hamiltonian, void *ctx);
 tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_rescale_fn *g, void *ctx);
+tvi_status tvi_system_rescaled_reversible(tvi_system **out, const tvi_system *system, tvi_rescale_fn *g, void *ctx);
 tvi_status tvi_system_driven(tvi_system **out, const tvi_system *system, tvi_drive_fn *drive, void *ctx);
 void tvi_system_free(tvi_system *system);
 int tvi_system_parameters(const tvi_system *system);

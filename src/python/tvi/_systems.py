@@ -35,7 +35,7 @@ class System:
 
     def __repr__(self) -> str:
         named = "".join(f", {name}={value}" for name, value in self.parameters.items())
-        return f"<tvi system: {self.kind}, n = {self.n}{named}>"
+        return f"<tvi system: {self.kind.replace('_', ', ')}, n = {self.n}{named}>"
 
     @property
     def kind(self) -> str:
@@ -52,7 +52,7 @@ class System:
     @property
     def is_rescaled(self) -> bool:
         """Whether its steps are in s, dt = g ds."""
-        return self.kind == "rescaled" or self.kind == "driven" and self._arguments[0].is_rescaled
+        return self.kind in ("rescaled", "rescaled_reversible")
 
     @property
     def can_be_rescaled(self) -> bool:
@@ -62,7 +62,7 @@ class System:
     @property
     def masses(self) -> np.ndarray:
         """The masses [n] of the coordinates; 1 for a Lagrangian and a Hamiltonian, which state none."""
-        if self.kind in ("rescaled", "driven"):
+        if self.is_rescaled or self.kind == "driven":
             return self._arguments[0].masses
         mass = self._arguments[2] if self.kind in ("potential", "force") else None
         return spread("mass", 1.0 if mass is None else mass, self.n).copy()
@@ -140,19 +140,25 @@ class System:
         """
         return transforms(lib.tvi_velocity, self._handle.pointer, self.n, t, q, p, "p")
 
-    def rescaled(self, g: Callable | None = None) -> "System":
+    def rescaled(self, g: Callable | None = None, reversible: bool | None = None) -> "System":
         """The same system with steps that adapt and stay symplectic: dt = g(q, p, t) ds, and h is in s.
 
         g(q, p) or g(q, p, t) > 0 is the local time scale, in jets, with the system's parameters by keyword where it
-        names them; None: the automatic one, with which h is a phase. Raises tvi.Error: EUNSUPPORTED for a force, a
-        rescaled system and a general Lagrangian, EDOMAIN where g is not positive.
+        names them; None: the automatic one, with which h is a phase. reversible=True: steps of q' = g dq/dt,
+        p' = g dp/dt, t' = g by "galerkin", which are symmetric and not symplectic, and serve forces, driven systems and
+        light bodies; None: where g is the scale of gravity.Bodies with test particles. Raises tvi.Error: EUNSUPPORTED
+        for a force, a driven system and a general Lagrangian that are not reversible, a rescaled system, and a mass
+        that is too light for the symplectic form; EDOMAIN where g is not positive.
 
         >>> import numpy as np, tvi
         >>> kepler = tvi.potential(2, lambda q: -1 / np.sqrt(q @ q)).rescaled(lambda q, p: (q @ q)**0.75)
         >>> len(tvi.solve(kepler, (0, 6.28), [0.01, 0], [0, 14.1], h=0.5).t) < 60
         True
         """
-        return _derived("rescaled", self, g, "q p", {})
+        if reversible is None:
+            bodies = getattr(g, "__self__", None)
+            reversible = getattr(bodies, "has_test_particles", False)
+        return _derived("rescaled_reversible" if reversible else "rescaled", self, g, "q p", {})
 
     def driven(self, drive: Callable, **parameters: Any) -> "System":
         """The same system with forces added to dp/dt that no potential gives: friction, drag, control.
@@ -243,7 +249,8 @@ def _again(kind: str, arguments: tuple, parameters: dict[str, Any], others: dict
     base, function = arguments
     inherited = base.recorded_with({name: value for name, value in others.items() if name in base.parameters})
     new = {name: value for name, value in parameters.items() if name not in base.parameters}
-    return inherited.rescaled(function) if kind == "rescaled" else inherited.driven(function, **new)
+    return inherited.driven(function, **new) if kind == "driven" else \
+        inherited.rescaled(function, kind == "rescaled_reversible")
 
 
 def potential(n: int, V: Callable, mass: Array = None, **parameters: Any) -> System:

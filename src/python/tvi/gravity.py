@@ -74,6 +74,11 @@ class Bodies:
         return len(self._mass) * self.axes
 
     @property
+    def has_test_particles(self) -> bool:
+        """Whether one of the masses is 0. Then `rescaled(scale)` makes the reversible form."""
+        return 0.0 in self._mass
+
+    @property
     def coordinate_masses(self) -> np.ndarray:
         """[n], the masses of the coordinates: what tvi.potential takes beside a potential that contains this one."""
         masses = Doubles(self.n)
