@@ -241,12 +241,14 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
     const char *const unsupported =
         system->stepped_system != system ? "the system is rescaled already"
-        : !system->energy || system->is_driven
-            ? "it has no Hamiltonian flow: take the reversible form, tvi_system_rescaled_reversible "
-              "(rescaled(g, reversible=True))"
-        : system->form == TVI_LAGRANGIAN ? "state the Hamiltonian instead of the Lagrangian, or take "
-                                           "tvi_system_rescaled_reversible"
-                                         : NULL;
+        : !system->energy   ? "a force has no Hamiltonian: state the potential, or take the reversible form, "
+                              "tvi_system_rescaled_reversible (rescaled(g, reversible=True))"
+        : system->is_driven ? "a driven system has no Hamiltonian flow: take fixed steps, or a tolerance, or the "
+                              "reversible form, tvi_system_rescaled_reversible (rescaled(g, reversible=True))"
+        : system->form == TVI_LAGRANGIAN
+            ? "state the Hamiltonian instead of the Lagrangian, or take the reversible form, "
+              "tvi_system_rescaled_reversible (rescaled(g, reversible=True))"
+            : NULL;
     if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
     if (g == tvi_bodies_scale && has_test_particle(ctx)) return tvi_system_rescaled_reversible(out, system, g, ctx);
     rescaling_request request = {system, g, ctx, -1};

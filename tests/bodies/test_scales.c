@@ -187,8 +187,8 @@ START_TEST(who_steers)
 }
 END_TEST
 
-/* A star, a planet of hardly any mass and a comet without mass, whose pericentre g sees: the orbit of the comet is right
- * for each eccentricity, as its semi-major axis tells. */
+/* A star, a planet of hardly any mass and a comet without mass, whose pericentre g sees: the orbit of the comet is
+ * right for each eccentricity, as its semi-major axis tells. */
 START_TEST(a_comet_without_mass)
 {
     static const double comet_masses[] = {1, 1e-12, 0}, steps[] = {0.1, 0.25, 0.5, 0.8, 1.1}, a = 3;

@@ -61,7 +61,8 @@ class Declarations(unittest.TestCase):
     def test_all_is_used(self):
         """Each declared function is called by its name, or by that of a kind of system."""
         text = "".join(path.read_text() for path in (ROOT / "src/python/tvi").glob("*.py"))
-        by_kind = {f"tvi_system_{kind}" for kind in "potential force lagrangian hamiltonian rescaled driven".split()}
+        kinds = "potential force lagrangian hamiltonian rescaled rescaled_reversible driven"
+        by_kind = {f"tvi_system_{kind}" for kind in kinds.split()}
         called = set(re.findall(r"\blib(?:rary)?\.((?:tvi|jet)_\w+)", text)) | by_kind
         self.assertEqual(set(re.findall(r"\b((?:tvi|jet)_\w+)\(", _declarations.FUNCTIONS)) - called, set())
 
