@@ -26,9 +26,9 @@ for m in 1e-10, 4.7e-10, 1e-8:
     q, p = start(b)
     right = tvi.solve(b.system(), (0, 2000), q, p, h=1).q_end
     S = b.system()
-    for name, system in ("fixed", S), ("rescaled", S.rescaled(b.scale)), ("automatic", S.rescaled()):
+    for name, system in ("fixed", lambda: S), ("rescaled", lambda: S.rescaled(b.scale)), ("automatic", S.rescaled):
         for way in dict(error=1e-6), dict(error=1e-9), dict(h=0.3):
-            run = attempt(lambda: tvi.solve(system, (0, 2000), q, p, **way))
+            run = attempt(lambda: tvi.solve(system(), (0, 2000), q, p, **way))
             label = f"m = {m:g}, {name}, {way}:"
             if isinstance(run, Exception):
                 row(refuses(run, r"\bmass"), label, told(run))

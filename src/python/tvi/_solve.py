@@ -318,8 +318,9 @@ def _message(result: Result, events: list) -> str:
         text = f"event {ending[0]} ended the run at t = {result.t_end}."
     else:
         text = f"the end was reached, t = {result.t_end}."
-    if result.stats.largest_tail > 0.1:
-        text += f" The step is too large: its tail is {result.stats.largest_tail:.1g}, and 0.01 is right."
+    tail = result.stats.largest_tail
+    if tail > 0.01 and not result.error:  # An error that was measured says more.
+        text += f" The step {'is' if tail > 0.1 else 'may be'} too large: its tail is {tail:.1g}, and 0.01 is right."
     return text
 
 
