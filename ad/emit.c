@@ -23,6 +23,7 @@
  * shorter vector takes the last four. */
 enum { WHOLE_VECTOR_LANES = 4, REGISTER_LANES_MIN = 2, REGISTER_LANES_MAX = 8 };
 
+/* The text of the rules and of emitted.h, which the Makefile makes by ad/embed.awk in build/ad/embedded_rules.c. */
 extern const char *const jet_embedded_rules[];
 
 const char *const *jet_embedded_rule_c_source_lines(void) { return jet_embedded_rules; }
@@ -111,8 +112,9 @@ static void emit_run_macro_call(const tape_emitter *emitter, const jet_run_of_op
                         run->term_count);
 }
 
-/* Writes the macro T_RUNS (emitted.h). */
-static void emit_run_list_macro(const tape_emitter *emitter)
+/* Writes the definition of the macro T_RUNS, with T the name of the tape: one macro call for each run. The macros of
+ * emitted.h that define sweeps expand it to the body of the sweep. */
+static void emit_T_RUNS_macro(const tape_emitter *emitter)
 {
     const jet_run_of_operations *const begin = emitter->tape->runs, *const end = begin + emitter->tape->run_count;
     jet_text_append(emitter->text, "#define %s_RUNS(RULE, PRODUCTS, LINEAR)", emitter->request->name_prefix);
@@ -193,7 +195,7 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_requ
     }
     const tape_emitter emitter = {text, &split, request, operation_count, is_each_run_one_operation};
     emit_tape_arrays(&emitter);
-    emit_run_list_macro(&emitter);
+    emit_T_RUNS_macro(&emitter);
     emit_value_functions(&emitter);
     if (request->value_lane_counts[0] > 0) emit_values_sweep(&emitter);
     if (request->needs_series_sweep) emit_series_sweep(&emitter);

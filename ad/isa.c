@@ -6,10 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The interpreter of each set: sweep.c, whose name the build gives the suffix of the set. */
+/* The interpreter of the base set, defined in sweep.c. */
 extern const jet_sweeps jet_interpreter;
 
 #ifdef JET_ISA_X86
+/* The interpreters of the other sets. No source defines these names: the Makefile compiles sweep.c once more for each
+ * set, and its rule named_object adds the suffix of the set to jet_interpreter and all other names of the object. */
 extern const jet_sweeps jet_interpreter_avx2, jet_interpreter_avx512;
 
 static bool has_avx2(void) { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }

@@ -73,7 +73,7 @@ static const struct jet_node *find_operand_node(const graph_lowering *lowering, 
 {
     const struct jet_node *read = sum_term(z, pair_index).node;
     if (factor_index == 0 || (read->op == OP_SQR && z->op == OP_PRODUCTS)) return read->a;
-    return reads_auxiliary_at_same_order(lowering, read) ? read->w : read->b;
+    return node_reads_own_w_at_same_order(lowering, read) ? read->w : read->b;
 }
 
 /* Chooses the operations of all needed nodes. Products that become terms of a sum of products are no longer needed
@@ -229,9 +229,9 @@ static bool are_operands_adjacent(const graph_lowering *lowering, tape_placement
     return true;
 }
 
-/* Tells whether the operations of each adjacency class in the group (those whose results have to be adjacent) read
- * adjacent slots. */
-static bool are_class_operands_adjacent(const graph_lowering *lowering, tape_placement *const group[], int count)
+/* Tells whether the operations of each adjacency class read adjacent slots. The classes are parts of the group: a group
+ * can be one run, and the results of a class have to be adjacent. */
+static bool each_class_reads_adjacent_slots(const graph_lowering *lowering, tape_placement *const group[], int count)
 {
     for (int begin = 0, end = 0; begin < count; begin = end) {
         while (end < count && group[end]->adjacency_class == group[begin]->adjacency_class) end++;
@@ -264,7 +264,7 @@ static void copy_operands_to_adjacent_slots(graph_lowering *lowering, tape_place
  * operand, and the other operand is copied to adjacent slots. */
 static void make_group_operands_adjacent(graph_lowering *lowering, tape_placement *group[], int count)
 {
-    if (are_class_operands_adjacent(lowering, group, count)) return;
+    if (each_class_reads_adjacent_slots(lowering, group, count)) return;
     if (!are_operands_adjacent(lowering, group, count, 0, 0) && !are_operands_adjacent(lowering, group, count, 0, 1))
         qsort(group, (size_t)count, sizeof *group, compare_by_second_operand);
     for (int pair_index = 0; pair_index < group[0]->operand_pair_count; pair_index++)

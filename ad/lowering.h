@@ -12,7 +12,8 @@ typedef struct {
     const struct jet_node *node; /* The node; NULL: a copy of the slot operand[0][0]. */
     jet_op op;                   /* The operation that computes the node on the tape. */
     int level; /* 0 for inputs and constants, otherwise one more than the highest level of an operand. */
-    /* Operations of one class in a level are placed one after the other (assign_adjacency_classes). */
+    /* The class of operations that have to get adjacent slots (assign_adjacency_classes). A class is a part of a group,
+     * which are the operations of a level that can be one run. */
     int adjacency_class;
     int one_based_output_index; /* 1, 2, ... in the order of the outputs; 0: the node is no output. */
     int slot;
@@ -49,8 +50,9 @@ static inline bool must_compute_auxiliary_series(const graph_lowering *lowering,
     return z->w && lowering->tape_kind == JET_TAPE_SERIES;
 }
 
-/* Tells whether order k of z is computed from order k of its auxiliary series. */
-static inline bool reads_auxiliary_at_same_order(const graph_lowering *lowering, const struct jet_node *z)
+/* Tells whether the coefficient of order k of the node z is computed from the coefficient of the same order of w, the
+ * auxiliary series of z itself (W_SAME in rule.h). */
+static inline bool node_reads_own_w_at_same_order(const graph_lowering *lowering, const struct jet_node *z)
 {
     return must_compute_auxiliary_series(lowering, z) && jet_rules[z->op]->auxiliary_series_orders_read == W_SAME;
 }

@@ -15,17 +15,17 @@
     };
 #define FUNCTION(name, run) name[(run)->op == OP_SQUARES][(run)->term_count]
 
-/* The terms of the first operation of a run: coefficients, and pointers to the factors in a block. The factors of
- * the following operations are adjacent to them. */
+/* The terms c_t a_t b_t of the sum of products that the first operation of a run computes: coefficients, and pointers
+ * to the factors in a block. The factors of the following operations are adjacent to them. */
 typedef struct {
     double coefficient[JET_TERMS_MAX];
     const double *factor_a[JET_TERMS_MAX], *factor_b[JET_TERMS_MAX];
-} product_terms;
+} sum_of_products_terms;
 
-JET_INLINE product_terms locate_run_terms(const jet_tape *tape, const jet_run_of_operations *run, const double *block,
-                                          size_t lanes, int term_count)
+JET_INLINE sum_of_products_terms locate_run_terms(const jet_tape *tape, const jet_run_of_operations *run,
+                                                  const double *block, size_t lanes, int term_count)
 {
-    product_terms p;
+    sum_of_products_terms p;
     for (int t = 0; t < term_count; t++) {
         const int term = run->first_term_index + t;
         p.coefficient[t] = tape->term_coefficient[term];
@@ -59,7 +59,7 @@ JET_INLINE product_terms locate_run_terms(const jet_tape *tape, const jet_run_of
 JET_INLINE void compute_product_values(const jet_tape *tape, const jet_run_of_operations *run, double *block, int lanes,
                                        bool are_squares, int term_count)
 {
-    const product_terms p = locate_run_terms(tape, run, block, (size_t)lanes, term_count);
+    const sum_of_products_terms p = locate_run_terms(tape, run, block, (size_t)lanes, term_count);
     const size_t stride = (size_t)lanes;
     const int width = run->operation_count * lanes;
     double *z = block + (size_t)run->z * stride;
@@ -109,7 +109,7 @@ void jet_compute_product_values(const jet_tape *tape, const jet_run_of_operation
 JET_INLINE void compute_product_series_order(const jet_tape *tape, const jet_run_of_operations *run, double *block,
                                              int k, size_t lanes, bool are_squares, int term_count)
 {
-    const product_terms p = locate_run_terms(tape, run, block, lanes, term_count);
+    const sum_of_products_terms p = locate_run_terms(tape, run, block, lanes, term_count);
     const size_t stride = (size_t)tape->slot_count * lanes;
     const int width = run->operation_count * (int)lanes;
     double *z = block + (size_t)run->z * lanes;
@@ -170,8 +170,8 @@ JET_INLINE void compute_product_tangents(const jet_tape *tape, const jet_run_of_
                                          double *tangent_block, int k, size_t block_lanes, size_t lanes,
                                          bool are_squares, int term_count)
 {
-    const product_terms p = locate_run_terms(tape, run, block, block_lanes, term_count),
-                        d = locate_run_terms(tape, run, tangent_block, lanes, term_count);
+    const sum_of_products_terms p = locate_run_terms(tape, run, block, block_lanes, term_count),
+                                d = locate_run_terms(tape, run, tangent_block, lanes, term_count);
     const size_t stride = (size_t)tape->slot_count * block_lanes, dstride = (size_t)tape->slot_count * lanes;
     double *dz = tangent_block + (size_t)run->z * lanes;
     if (are_squares) {
@@ -225,7 +225,7 @@ void jet_compute_product_tangents(const jet_tape *tape, const jet_run_of_operati
 JET_INLINE void add_product_adjoints(const jet_tape *tape, const jet_run_of_operations *run, const double *block,
                                      double *adjoint_block, int k, int top, bool are_squares, int term_count)
 {
-    const product_terms p = locate_run_terms(tape, run, block, 1, term_count);
+    const sum_of_products_terms p = locate_run_terms(tape, run, block, 1, term_count);
     const size_t stride = (size_t)tape->slot_count;
     const double *zbar = adjoint_block + run->z;
     double *abar[JET_TERMS_MAX], *bbar[JET_TERMS_MAX];

@@ -79,7 +79,7 @@ static jet_run_of_operations make_elementary_run(const graph_lowering *lowering,
     const int *operand = z->operand[0];
     jet_run_of_operations run = {z->op, 1, z->slot, operand[0], operand[1], .exponent = z->node->number};
     if (must_compute_auxiliary_series(lowering, z->node)) run.w = node_slot(lowering, z->node->w);
-    if (reads_auxiliary_at_same_order(lowering, z->node)) {
+    if (node_reads_own_w_at_same_order(lowering, z->node)) {
         run.b = 0;
         run.w = operand[1];
     }
@@ -170,8 +170,9 @@ static void lower_graph_to_tape(graph_lowering *lowering, jet_tape *tape, int in
 {
     jet_assign_slots(lowering, input_count, output_count, output);
     lay_out_runs_and_constants(lowering, tape);
-    tape->library_operations_name = jet_graph_library_nodes_name(lowering->graph, &tape->first_library_operation);
-    tape->first_library_operation += 1 - jet_graph_input_count(lowering->graph);
+    tape->library_operations_name =
+        jet_graph_library_nodes_name(lowering->graph, &tape->first_library_operation_number);
+    tape->first_library_operation_number += 1 - jet_graph_input_count(lowering->graph);
     tape->slot_count = lowering->slot_count;
     tape->output_count = output_count;
     tape->used_node_count = lowering->used_node_count;

@@ -53,8 +53,8 @@ typedef struct jet_sweeps jet_sweeps;
 
 /* A recorded function as a straight-line program. The counts are the lengths of the arrays below. */
 typedef struct {
-    /* The sweeps that run the tape: those of the interpreter (jet_tape_create, sweep.c), or of generated code (emit.h).
-     */
+    /* The sweeps that run the tape. jet_tape_create sets those of the interpreter (sweep.c). A copy of the tape in a
+     * compiled system has those that jet_merge_sweeps has set (compiled/attach.c, emit.h). */
     const jet_sweeps *sweeps;
     const jet_sweeps *interpreter_sweeps; /* The sweeps of the interpreter. */
     int input_count, constant_count, parameter_count, slot_count, run_count, linear_operation_count, term_count,
@@ -74,9 +74,9 @@ typedef struct {
     jet_op *owner_of_slot;
     /* Name of the operations that the library recorded itself (jet_graph_begin_library_nodes); NULL: there are none. */
     const char *library_operations_name;
-    /* The number, in the order of recording, of the first operation that the library and not the user's function
-     * recorded. A refusal names it by library_operations_name. */
-    int first_library_operation;
+    /* The number, as in operation_number_of_slot, of the first operation that this library and not the user's function
+     * recorded. A refusal names this operation and all later ones by library_operations_name. */
+    int first_library_operation_number;
 } jet_tape;
 
 /* Creates a tape that computes the outputs, which have passed jet_graph_check_outputs. The first `input_count` inputs
@@ -111,7 +111,9 @@ void jet_tape_set_parameters(const jet_tape *tape, double *block, int lanes, int
  * are. */
 void jet_tape_read_parameters(const jet_tape *tape, const double *block, int lanes, int lane, double value[]);
 
-/* The sweeps of a tape, compiled for one instruction set. The functions below describe each of them. */
+/* The sweeps of a tape, compiled for one instruction set. An interpreted tape has the functions of sweep.c:
+ * sweep_values, sweep_series and so on. A compiled one has generated functions in place of some of them
+ * (jet_merge_sweeps in emit.c). The functions below, which call them, say what each computes. */
 struct jet_sweeps {
     jet_isa isa;
     bool (*values)(const jet_tape *tape, double *x, int lanes);

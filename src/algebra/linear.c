@@ -4,8 +4,8 @@
 #include "algebra/linear_small.h"
 #include "algebra/sizes.h"
 
-/* [rows] Matrices of up to this size are factored by algebra/linear_small.h, larger ones by LAPACK: a call of LAPACK
- * costs more than the arithmetic of a small matrix. */
+/* [rows] This is the number of rows of the largest matrix that the library's own elimination (algebra/linear_small.h)
+ * factors. LAPACK factors larger ones: one call of it costs more than the arithmetic of a small matrix. */
 #define LINEAR_OWN_MAX_ROWS 16 /* found: make check-library, suite linear */
 /* [rows] OpenBLAS factors matrices of fewer rows with one thread. */
 #define LAPACK_THREADED_MIN_ROWS 100 /* found: make blas-threads */
@@ -39,7 +39,7 @@ tvi_status tvi_factor_compute(tvi_lu_factor *factor)
     linear_equilibrate_matrix(n, factor);
     /* dgetf2 has one thread for any size, so that results do not depend on the number of threads. */
     (n < LAPACK_THREADED_MIN_ROWS ? dgetrf_ : dgetf2_)(&n, &n, factor->lu, &n, factor->pivot, &info);
-    return linear_finish_factor(n, info == 0, factor);
+    return linear_check_pivots(n, info == 0, factor);
 }
 
 double tvi_factor_least_pivot(const tvi_lu_factor *factor) { return linear_least_pivot(factor->n, factor); }

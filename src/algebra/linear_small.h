@@ -143,9 +143,9 @@ JET_INLINE double linear_least_pivot(int n, const tvi_lu_factor *factor)
     return least;
 }
 
-/* Ends the factorisation of a scaled matrix by its pivots: decides whether solutions are refined, and returns
- * TVI_ESINGULAR if the factorisation failed or a pivot is at the level of roundoff. */
-JET_INLINE tvi_status linear_finish_factor(int n, bool is_factored, tvi_lu_factor *factor)
+/* Checks the pivots after the factorisation of a scaled matrix. Solutions will be refined only if rows were exchanged.
+ * Returns TVI_ESINGULAR if the factorisation failed or a pivot is at the level of roundoff. */
+JET_INLINE tvi_status linear_check_pivots(int n, bool is_factored, tvi_lu_factor *factor)
 {
     factor->uses_refinement = factor->uses_refinement && linear_has_row_exchanges(n, factor);
     return is_factored && linear_least_pivot(n, factor) > n * DBL_EPSILON ? TVI_OK : TVI_ESINGULAR;
@@ -196,7 +196,7 @@ JET_INLINE tvi_status linear_small_compute(int n, tvi_lu_factor *factor)
     if (!tvi_all_finite(n * n, factor->lu)) return TVI_ENONFINITE;
     linear_equilibrate_matrix(n, factor);
     linear_small_factor(n, factor->lu, factor->pivot);
-    return linear_finish_factor(n, true, factor);
+    return linear_check_pivots(n, true, factor);
 }
 
 /* Computes x <- (R A C)^-1 x, or x <- (R A C)^-T x if `transposed`. linear_small_factor reads the row-major matrix R A

@@ -12,10 +12,10 @@
 
 /* ---- Sizes and memory -------------------------------------------------------------------------------------------- */
 
-/* Returns the number of nodes in each of the two halves of the step, which mirror each other. The number is padded to
- * whole vectors if the field's tape processes as many vectors with the padding as without; otherwise it is not
+/* Returns the number of nodes in each of the two halves of a step whose nodes mirror each other. The number is padded
+ * to whole vectors if the field's tape processes as many vectors with the padding as without; otherwise it is not
  * padded. */
-static int choose_half(const tvi_system *system, int points)
+static int choose_mirrored_half_size(const tvi_system *system, int points)
 {
     const int lanes = 2 << system->field_values->sweeps->isa, half = (points + 1) / 2, whole = TVI_WHOLE_VECTORS(half);
     return (2 * whole + lanes - 1) / lanes > (2 * half + lanes - 1) / lanes ? half : whole;
@@ -38,7 +38,7 @@ tvi_action tvi_action_shape(const tvi_system *system, const tvi_options *options
                         .order_count = degree + one_more + 1};
     if (span.start_s == -span.end_s && !(is_hamilton && shape.is_truncated) &&
         tvi_quadrature_mirror(options->quadrature) == options->quadrature) {
-        shape.half = choose_half(system, options->quadrature_points);
+        shape.half = choose_mirrored_half_size(system, options->quadrature_points);
         shape.nodes = 2 * shape.half;
     }
     return shape;

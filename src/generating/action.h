@@ -80,15 +80,16 @@ void tvi_action_set_tables(tvi_action *action, const tvi_options *options, tvi_s
  * to a Hamiltonian's velocities were not found. */
 TVI_NODISCARD tvi_status tvi_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
 
-/* Of momenta.c: finds the momenta p_i that belong to the velocities in by_v, from those of the curve. They are left in
- * the second input of the field, which is evaluated with them. Returns TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR or
+/* Finds the momenta p_i at the nodes that belong to the velocities in by_v: H_p(q_i, p_i) = v_i (momenta.c). The
+ * iteration begins with the momenta of the curve. It leaves the solution in the second input of the field, which is
+ * evaluated with it. Returns TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR or
  * TVI_ENOCONV. */
-TVI_NODISCARD tvi_status tvi_action_find_momenta(tvi_action *action, tvi_curve *curve);
+TVI_NODISCARD tvi_status tvi_action_find_node_momenta(tvi_action *action, tvi_curve *curve);
 
 /* Evaluates the Lagrangian at nodes that lie on no single curve, at the action's times. From positions q, velocities v
  * and momenta p, [n][nodes] each, it computes by_q = tau L_q and by_v = L_v - p. */
-TVI_NODISCARD tvi_status tvi_action_lagrangian(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
-                                               const double p[]);
+TVI_NODISCARD tvi_status tvi_action_evaluate_lagrangian(tvi_action *action, tvi_curve *curve, const double q[],
+                                                        const double v[], const double p[]);
 
 /* Estimates the roundoff of q and p [n] at the ends of a step of size h from (q, p), which stems from the field, as
  * last evaluated at the nodes, and from p itself. Both are 0 if the increments of the step are larger than q and p.

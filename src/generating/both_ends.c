@@ -1,10 +1,10 @@
 /* both_ends.c - makes steps of type I with a Taylor curve from each end of the step: the symmetric Taylor variational
  * integrator (docs/method.md section 4). The integrator calls it through tvi_stepper_both_ends. The curve a(s) starts
  * at (q0, v0), 0 <= s <= 1; the curve b(s - 1) starts at (q1, v1). Both have degree r. Each ends where the other
- * starts, a(1) = q1 and b(-1) = q0; l and m are the Lagrange multipliers of these two conditions. With w = 1 - s and a
- * dot for d/ds
- *     y = w a + (1-w) b,     v = w a. + (1-w) b. (truncated)   or   v = y. = w a. + (1-w) b. - (a - b) (on-curve).
- * Let p_a and p_b be the momenta of the curves, pi = w p_a + (1-w) p_b, w_i the quadrature weight of node i, tau = h,
+ * starts, a(1) = q1 and b(-1) = q0; l and m are the Lagrange multipliers of these two conditions. The nodes are on the
+ * blend y of both curves. With a dot for d/ds
+ *     y = (1-s) a + s b,     v = (1-s) a. + s b. (truncated)   or   v = y. = (1-s) a. + s b. - (a - b) (on-curve).
+ * Let p_a and p_b be the momenta of the curves, pi = (1-s) p_a + s p_b, w_i the quadrature weight of node i, tau = h,
  * and dy_i, dv_i, da, db the Jacobians of y_i, v_i, a and b by (q0, v0, q1, v1). The gradient of the action in defect
  * form (action.h) is
  *     R = sum_i w_i [ dy_i^T (tau L_q - pi.)_i + dv_i^T (L_v - pi)_i ]      truncated: + sum_i w_i (da - db)_i^T pi_i,
@@ -19,42 +19,48 @@
 #include <math.h>
 #include <string.h>
 
-/* One of the two curves. */
+/* One of the two curves a and b (head of this file). A curve starts at its own end of the step. */
 typedef struct {
     tvi_curve curve;
-    tvi_action action; /* tables of the nodes for this curve; that of a evaluates the nodes, for both curves */
-    double sign;       /* 1 for a, -1 for b: in a - b, and the scaled time of the other end */
-    double *blend;     /* [points] the weight w or 1 - w of this curve at each node */
-    double *P;         /* [degree][n] the coefficients of the momentum */
-    tvi_curve_sum q_rise, u_here;   /* q at the other end less q at this end, and u at this end, U_0 */
-    tvi_curve_sum dense_q, dense_u; /* the increments from this end to one point of dense output */
-    double *seed_Q;                 /* [degree + 1][n] the derivatives of the action by Q_k */
-    double *R;                      /* [2n] its parts R_q and R_v by z of this curve */
-    double *G;                      /* [n][2n] the Jacobian of q_rise by z: (A - I, B) */
-    tvi_lu_factor B;
-    double *multiplier; /* [n] l or m */
-    double *dz;         /* [2n] the correction of z that is applied to first order after the passes */
+    /* Tables of the nodes for this curve. The action of curve a also evaluates the Lagrangian on the blend. */
+    tvi_action action;
+    double sign;   /* The scaled time of the other end, and the sign of the curve in a - b: 1 for a, -1 for b. */
+    double *blend; /* [points] The weight of the curve in y at each node: 1 - s for a, s for b. */
+    double *P;     /* [degree][n] The coefficients of the momentum. */
+    tvi_series_sum q_rise;   /* q at the other end of the step less q at the curve's own end. */
+    tvi_series_sum u_start;  /* U_0, the scaled momentum at the curve's own end. */
+    tvi_series_sum dense_q;  /* The increment of q from the curve's own end to one point of dense output. */
+    tvi_series_sum dense_u;  /* The increment of u from the curve's own end to one point of dense output. */
+    double *seed_Q;          /* [degree + 1][n] The derivatives of the action by the coefficients Q_k. */
+    double *R;               /* [2n] The parts R_q and R_v of the gradient R by the curve's z. */
+    double *q_rise_jacobian; /* [n][2n] The Jacobian of q_rise by z: (A0 - I, B0) for a, (A1 - I, B1) for b. */
+    tvi_lu_factor B;         /* The matrix B0 or B1, factored. */
+    double *multiplier;      /* [n] The Lagrange multiplier: l for a, m for b. */
+    double *dz;              /* [2n] The last correction of z, which the increments contain to first order. */
 } end_curve;
 
 typedef struct {
     const tvi_system *system;
     const tvi_options *options;
     int n, degree, points;
-    bool has_pi; /* if not, pi = 0 in the formulas */
+    bool has_pi; /* If it is not set, the formulas have pi = 0. */
     end_curve a, b;
-    tvi_newton newton; /* its unknowns are v0, q1, v1, scaled as the z of the curves */
+    tvi_newton newton; /* The corrector. Its unknowns are v0, q1, v1, scaled as the z of the curves. */
     tvi_legendre_transform legendre;
-    tvi_curve_sum q_at_end, v_at_end; /* of a: q and tau v (of a Hamiltonian p) at the end, which predict z of b */
-    double *y, *v, *pi, *dpi_ds;      /* [n][points] the blend of both curves at the nodes */
+    tvi_series_sum a_q_at_end; /* q at the end of curve a, which predicts the coordinates in z of curve b. */
+    tvi_series_sum
+        a_v_at_end; /* tau v (p for a Hamiltonian) at the end of curve a, which predicts the rest of that z. */
+    double *y, *v, *pi, *dpi_ds; /* [n][points] The blends y, v, pi and the derivative of pi at the nodes. */
     /* [n][points] The derivatives of the action by y_i and v_i at node i, and by the difference a - b there. If v is
      * the derivative of the blend, the action depends on a - b also through v. */
     double *S_y, *S_v, *S_difference;
-    double *row;            /* [points] scratch: one component of a series at the nodes */
-    double *z_a;            /* [2n] z of a */
-    double *velocity_guess; /* [n] a Lagrangian's velocity at the last predictor; part of the history */
-    double *start_correction_p, *increment_correction_p; /* [n] of p_a(0) to p0, and of p_b(0) - p_a(0) to p1 - p0 */
-    double *last_dq, *last_dp;                           /* [n] the increments of the last step */
-    double *scratch;                                     /* [n] */
+    double *row;                    /* [points] Scratch: one component of a series at the nodes. */
+    double *z_a;                    /* [2n] The z of curve a. */
+    double *velocity_guess;         /* [n] A Lagrangian's velocity at the last predictor; part of the history. */
+    double *start_correction_p;     /* [n] What is added to p_a(0), the momentum of curve a at its start, to give p0. */
+    double *increment_correction_p; /* [n] What is added to p_b(0) - p_a(0) to give p1 - p0. */
+    double *last_dq, *last_dp;      /* [n] The increments of the last step. */
+    double *scratch;                /* [n] */
     /* The step that is being made. */
     const tvi_step_origin *origin;
     double h;
@@ -74,12 +80,12 @@ static void allocate_curve(end_curve *x, tvi_arena *arena, const tvi_system *sys
     x->sign = sign;
     tvi_curve_allocate(&x->curve, arena, system, options->degree, TVI_JACOBIAN_MATRICES);
     tvi_action_allocate(&x->action, arena, system, &plain);
-    tvi_curve_sum *const sums[] = {&x->q_rise, &x->u_here, &x->dense_q, &x->dense_u};
-    for (int i = 0; i < 4; i++) *sums[i] = tvi_curve_sum_allocate(&x->curve, arena);
+    tvi_series_sum *const sums[] = {&x->q_rise, &x->u_start, &x->dense_q, &x->dense_u};
+    for (int i = 0; i < 4; i++) *sums[i] = tvi_series_sum_allocate(&x->curve, arena);
     x->blend = tvi_arena_allocate_doubles(arena, (size_t)options->quadrature_points);
     x->P = tvi_arena_allocate_doubles(arena, degree * n);
     x->seed_Q = tvi_arena_allocate_doubles(arena, (degree + 1) * n);
-    x->G = tvi_arena_allocate_doubles(arena, n * 2 * n);
+    x->q_rise_jacobian = tvi_arena_allocate_doubles(arena, n * 2 * n);
     tvi_arena_allocate_each(arena, 2 * n, (double **[]){&x->R, &x->multiplier, &x->dz, NULL});
     tvi_factor_allocate(&x->B, arena, system->n);
 }
@@ -102,8 +108,8 @@ static void *allocate(tvi_arena *arena, const tvi_system *system, const tvi_opti
         tvi_legendre_allocate(&w.legendre, arena, system);
         w.velocity_guess = tvi_arena_allocate_copied(arena, n * sizeof *w.velocity_guess);
     }
-    w.q_at_end = tvi_curve_sum_allocate(&w.a.curve, arena);
-    w.v_at_end = tvi_curve_sum_allocate(&w.a.curve, arena);
+    w.a_q_at_end = tvi_series_sum_allocate(&w.a.curve, arena);
+    w.a_v_at_end = tvi_series_sum_allocate(&w.a.curve, arena);
     tvi_arena_allocate_each(arena, n * points,
                             (double **[]){&w.y, &w.v, &w.pi, &w.dpi_ds, &w.S_y, &w.S_v, &w.S_difference, NULL});
     w.row = tvi_arena_allocate_doubles(arena, points);
@@ -121,8 +127,8 @@ static void set_curve_tables(const work *w, end_curve *x, tvi_step_span span)
     tvi_curve_fill_tables(&x->curve);
     tvi_curve_set_degrees(&x->curve, w->degree, w->degree - 1);
     tvi_action_set_tables(&x->action, w->options, span);
-    tvi_curve_sum_set(&x->q_rise, &x->curve, false, powers);
-    tvi_curve_sum_set(&x->u_here, &x->curve, true, zeroth);
+    tvi_series_sum_set(&x->q_rise, &x->curve, false, powers);
+    tvi_series_sum_set(&x->u_start, &x->curve, true, zeroth);
     for (int node = 0; node < w->points; node++) x->blend[node] = 1 - x->sign * x->action.s[node];
 }
 
@@ -138,14 +144,15 @@ static void set_tables(void *self)
         ones[k] = 1;
         slopes[k] = k;
     }
-    tvi_curve_sum_set(&w->q_at_end, &w->a.curve, false, ones);
-    tvi_curve_sum_set(&w->v_at_end, &w->a.curve, hamiltonian, hamiltonian ? ones : slopes);
+    tvi_series_sum_set(&w->a_q_at_end, &w->a.curve, false, ones);
+    tvi_series_sum_set(&w->a_v_at_end, &w->a.curve, hamiltonian, hamiltonian ? ones : slopes);
 }
 
 /* ---- The gradient of the action ---------------------------------------------------------------------------------- */
 
-/* Sets row to the sum of c_k table_k at the nodes for the orders k = lowest .. degree, with c_k = c[k * stride]. */
-static void evaluate_series(const work *w, int lowest, int degree, const double *c, size_t stride, const double *table)
+/* Sets w->row to the sum of c_k table_k at the nodes for the orders k = lowest .. degree, with c_k = c[k * stride]. */
+static void set_row_to_series(const work *w, int lowest, int degree, const double *c, size_t stride,
+                              const double *table)
 {
     for (int node = 0; node < w->points; node++) w->row[node] = 0;
     for (int k = degree; k >= lowest; k--)
@@ -153,20 +160,21 @@ static void evaluate_series(const work *w, int lowest, int degree, const double 
             w->row[node] += c[(size_t)k * stride] * table[k * w->points + node];
 }
 
-/* Adds w a, or (1 - w) b, to out. */
+/* Adds the blended part of one curve, (1 - s) a or s b, to out. */
 static void add_blended_series(const work *w, const end_curve *x, int degree, const double *c, size_t stride,
                                const double *table, double out[])
 {
-    evaluate_series(w, 0, degree, c, stride, table);
+    set_row_to_series(w, 0, degree, c, stride, table);
     for (int node = 0; node < w->points; node++) out[node] += x->blend[node] * w->row[node];
 }
 
-/* Adds one curve's part to the difference out = b - a: it subtracts the terms of a, or adds those of b, from order 1
- * on. The coefficients of order 0 nearly cancel; either curve subtracts half of their difference a_0 - b_0. */
+/* Adds one curve's part to the difference b - a in out: it subtracts the terms of curve a, or adds those of curve b,
+ * from order 1 on. The coefficients of order 0 nearly cancel; for either curve half of their difference a_0 - b_0 is
+ * subtracted. */
 static void add_to_b_minus_a(const work *w, const end_curve *x, int degree, const double *c, size_t stride,
                              double difference_0, double out[])
 {
-    evaluate_series(w, 1, degree, c, stride, x->action.power.all);
+    set_row_to_series(w, 1, degree, c, stride, x->action.power.all);
     for (int node = 0; node < w->points; node++) out[node] -= x->sign * w->row[node] + difference_0 / 2;
 }
 
@@ -221,7 +229,7 @@ static tvi_status compute_gradient(work *w)
     }
     for (int i = 0; i < count; i++) w->v[i] /= w->a.curve.tau;
     w->stats->force_evaluations += w->points;
-    const tvi_status status = tvi_action_lagrangian(&w->a.action, &w->a.curve, w->y, w->v, w->pi);
+    const tvi_status status = tvi_action_evaluate_lagrangian(&w->a.action, &w->a.curve, w->y, w->v, w->pi);
     if (status != TVI_OK) return status;
     for (int i = 0; i < count; i++) {
         w->S_y[i] = w->a.action.by_q[i] - (w->has_pi ? w->dpi_ds[i] : 0);
@@ -261,12 +269,12 @@ static void compute_scale(void *self, double scale[])
     }
 }
 
-/* Solves B^T l = R_v, or B^T m = R_v. */
+/* Solves B0^T l = R_v0 for curve a, or B1^T m = R_v1 for curve b. */
 static tvi_status solve_for_multiplier(const work *w, end_curve *x)
 {
     const size_t n = (size_t)w->n;
-    tvi_curve_sum_jacobian(&x->curve, &x->q_rise, x->G);
-    for (size_t i = 0; i < n; i++) memcpy(x->B.lu + i * n, x->G + i * 2 * n + n, n * sizeof(double));
+    tvi_series_sum_compute_jacobian(&x->curve, &x->q_rise, x->q_rise_jacobian);
+    for (size_t i = 0; i < n; i++) memcpy(x->B.lu + i * n, x->q_rise_jacobian + i * 2 * n + n, n * sizeof(double));
     memcpy(x->multiplier, x->R + n, n * sizeof(double));
     w->stats->factorisations++;
     const tvi_status status = tvi_factor_compute(&x->B);
@@ -274,11 +282,11 @@ static tvi_status solve_for_multiplier(const work *w, end_curve *x)
     return status;
 }
 
-/* Returns component j of (A - I)^T l, or (A - I)^T m. */
+/* Returns component j of (A0 - I)^T l for curve a, or of (A1 - I)^T m for curve b. */
 static double rise_of_multiplier(const work *w, const end_curve *x, int j)
 {
     double sum = 0;
-    for (int i = 0; i < w->n; i++) sum += x->G[i * 2 * w->n + j] * x->multiplier[i];
+    for (int i = 0; i < w->n; i++) sum += x->q_rise_jacobian[i * 2 * w->n + j] * x->multiplier[i];
     return sum;
 }
 
@@ -301,9 +309,9 @@ static tvi_status compute_residual(void *self, const double x[], double r[])
     if (status == TVI_OK) status = solve_for_multiplier(w, a);
     if (status == TVI_OK) status = solve_for_multiplier(w, b);
     if (status != TVI_OK) return status;
-    tvi_curve_sum_compute(&a->curve, &a->q_rise, r);
-    tvi_curve_sum_compute(&b->curve, &b->q_rise, r + n);
-    tvi_curve_sum_compute(&a->curve, &a->u_here, r + 2 * n);
+    tvi_series_sum_compute(&a->curve, &a->q_rise, r);
+    tvi_series_sum_compute(&b->curve, &b->q_rise, r + n);
+    tvi_series_sum_compute(&a->curve, &a->u_start, r + 2 * n);
     for (int i = 0; i < n; i++) {
         const double of_l = rise_of_multiplier(w, a, i), of_m = rise_of_multiplier(w, b, i);
         w->start_correction_p[i] = -a->R[i] + of_l + (a->multiplier[i] - b->multiplier[i]);
@@ -325,12 +333,12 @@ static bool compute_jacobian(void *self, double matrix[])
     const size_t n = (size_t)w->n, row = 3 * n, bytes = n * sizeof *matrix;
     double *u_jacobian = w->a.curve.sum_jacobian;
     memset(matrix, 0, row * row * sizeof *matrix);
-    tvi_curve_sum_jacobian(&w->a.curve, &w->a.u_here, u_jacobian);
+    tvi_series_sum_compute_jacobian(&w->a.curve, &w->a.u_start, u_jacobian);
     for (size_t i = 0; i < n; i++) memcpy(matrix + (2 * n + i) * row, u_jacobian + i * 2 * n + n, bytes);
     for (size_t i = 0; i < n; i++) {
-        memcpy(matrix + i * row, w->a.G + i * 2 * n + n, bytes);
+        memcpy(matrix + i * row, w->a.q_rise_jacobian + i * 2 * n + n, bytes);
         matrix[i * row + n + i] = -1;
-        memcpy(matrix + (n + i) * row + n, w->b.G + i * 2 * n, 2 * bytes);
+        memcpy(matrix + (n + i) * row + n, w->b.q_rise_jacobian + i * 2 * n, 2 * bytes);
         matrix[(n + i) * row + n + i] += 1;
     }
     return true;
@@ -351,7 +359,7 @@ static void estimate_roundoff(void *self, double r[])
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
-/* Expands a from (q0, p0), and predicts z of b as its end. */
+/* Expands curve a from (q0, p0). Its end predicts z of curve b. */
 static tvi_status predict(work *w)
 {
     const size_t n = (size_t)w->n;
@@ -361,8 +369,8 @@ static tvi_status predict(work *w)
     if (status != TVI_OK) return status;
     status = expand(w, &w->a, w->z_a, origin->t + origin->t_low);
     memcpy(w->newton.x, w->z_a + n, n * sizeof(double));
-    tvi_curve_sum_compute(&w->a.curve, &w->q_at_end, w->newton.x + n);
-    tvi_curve_sum_compute(&w->a.curve, &w->v_at_end, w->newton.x + 2 * n);
+    tvi_series_sum_compute(&w->a.curve, &w->a_q_at_end, w->newton.x + n);
+    tvi_series_sum_compute(&w->a.curve, &w->a_v_at_end, w->newton.x + 2 * n);
     return status;
 }
 
@@ -379,15 +387,15 @@ static void compute_increments(work *w, double dq[], double dp[])
     memcpy(b->dz, w->newton.correction + n, 2 * bytes);
     tvi_curve_set_dz(&a->curve, a->dz);
     tvi_curve_set_dz(&b->curve, b->dz);
-    tvi_curve_sum_compute(&a->curve, &a->q_rise, dq);
-    tvi_curve_sum_along_dz(&a->curve, &a->q_rise, w->scratch);
+    tvi_series_sum_compute(&a->curve, &a->q_rise, dq);
+    tvi_series_sum_compute_change(&a->curve, &a->q_rise, w->scratch);
     for (int i = 0; i < n; i++) dq[i] += w->scratch[i];
-    tvi_curve_sum_compute(&b->curve, &b->u_here, dp);
-    tvi_curve_sum_compute(&a->curve, &a->u_here, w->scratch);
+    tvi_series_sum_compute(&b->curve, &b->u_start, dp);
+    tvi_series_sum_compute(&a->curve, &a->u_start, w->scratch);
     for (int i = 0; i < n; i++) dp[i] = w->has_pi ? dp[i] - w->scratch[i] : 0;
-    tvi_curve_sum_along_dz(&b->curve, &b->u_here, w->scratch);
+    tvi_series_sum_compute_change(&b->curve, &b->u_start, w->scratch);
     for (int i = 0; i < n; i++) dp[i] += w->scratch[i];
-    tvi_curve_sum_along_dz(&a->curve, &a->u_here, w->scratch);
+    tvi_series_sum_compute_change(&a->curve, &a->u_start, w->scratch);
     for (int i = 0; i < n; i++) dp[i] = (dp[i] - w->scratch[i]) / a->curve.kappa[i] + w->increment_correction_p[i];
 }
 
@@ -419,16 +427,16 @@ static tvi_status make_step(void *self, double h, const tvi_step_origin *origin,
 /* Adds weight (q(s) - q(0)) of the curve to dq, and weight (p(s) - p(0)) to dp. */
 static void add_weighted_increments(work *w, end_curve *x, double s, double weight, double dq[], double dp[])
 {
-    tvi_curve_sum_set_powers(&x->dense_q, &x->curve, false, w->degree, 1, s, -1, 0);
-    tvi_curve_sum_set_powers(&x->dense_u, &x->curve, true, w->degree - 1, 1, s, -1, 0);
-    tvi_curve_sum_compute(&x->curve, &x->dense_q, w->scratch);
+    tvi_series_sum_set_powers(&x->dense_q, &x->curve, false, w->degree, 1, s, -1, 0);
+    tvi_series_sum_set_powers(&x->dense_u, &x->curve, true, w->degree - 1, 1, s, -1, 0);
+    tvi_series_sum_compute(&x->curve, &x->dense_q, w->scratch);
     for (int i = 0; i < w->n; i++) dq[i] += weight * w->scratch[i];
-    tvi_curve_sum_compute(&x->curve, &x->dense_u, w->scratch);
+    tvi_series_sum_compute(&x->curve, &x->dense_u, w->scratch);
     for (int i = 0; i < w->n; i++) dp[i] += weight * w->scratch[i] / x->curve.kappa[i];
 }
 
-/* Computes the increments at the fraction theta of the step, by a blend of the curves: a has weight 1 - theta, and b,
- * which is measured from the end of the step, has weight theta. */
+/* Computes the increments at the fraction theta of the step, by a blend of the curves: curve a has the weight 1 -
+ * theta, and curve b, whose time begins at the end of the step, has the weight theta. */
 static void compute_dense_output(void *self, double theta, double dq[], double dp[])
 {
     work *w = self;

@@ -34,11 +34,11 @@ struct tvi_corrected_curve {
     const tvi_curve_definition *definition; /* the generating function */
     tvi_step_span span;
     tvi_curve curve;
-    tvi_curve_sum ends[TVI_END_SUMS]; /* the sums at the ends of the step; ends[TVI_NO_SUM] is not used */
-    tvi_curve_sum p_size_sum;         /* sum_k U_k */
-    double *p_size;                   /* [n] sum_k |P_k| */
-    double *seed_Q, *seed_U;          /* [highest_order + 1][n] of D_z (action.h) */
-    double *D_z;                      /* [2n] first D_z, then the solution (x, y) */
+    tvi_series_sum ends[TVI_END_SUMS]; /* the sums at the ends of the step; ends[TVI_NO_SUM] is not used */
+    tvi_series_sum p_size_sum;         /* sum_k U_k */
+    double *p_size;                    /* [n] sum_k |P_k| */
+    double *seed_Q, *seed_U;           /* [highest_order + 1][n] of D_z (action.h) */
+    double *D_z;                       /* [2n] first D_z, then the solution (x, y) */
     const tvi_end_solver *solver;
     void *solver_memory; /* tvi_matrices or tvi_residuals */
     double *start_correction_q, *start_correction_p, *increment_correction_q, *increment_correction_p; /* [n] */
@@ -47,7 +47,7 @@ struct tvi_corrected_curve {
 /* Computes p_size, relative to which corrections of p are measured. */
 static inline void corrected_compute_p_size(const tvi_corrected_curve *c)
 {
-    curve_sum_by(&c->curve, &c->p_size_sum, true, c->p_size);
+    series_sum_add_up(&c->curve, &c->p_size_sum, true, c->p_size);
     for (int i = 0; i < c->curve.n; i++) c->p_size[i] /= fabs(c->curve.kappa[i]);
 }
 

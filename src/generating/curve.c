@@ -27,8 +27,8 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
         arena, n,
         (double **[]){&curve->kappa, &curve->dq_size, &curve->u_size, &curve->tail_share, &curve->tail_ratio, NULL});
     tvi_arena_allocate_each(arena, orders + 1, (double **[]){&curve->one_over, &curve->log_of, NULL});
-    curve->q_size_sum = tvi_curve_sum_allocate(curve, arena);
-    curve->u_size_sum = tvi_curve_sum_allocate(curve, arena);
+    curve->q_size_sum = tvi_series_sum_allocate(curve, arena);
+    curve->u_size_sum = tvi_series_sum_allocate(curve, arena);
     curve->series = tvi_arena_allocate_block(arena, system->field_series, highest_order + 1, 1, 0);
     if (jacobians == TVI_JACOBIAN_PRODUCTS)
         tvi_arena_allocate_each(arena, orders * slots, (double **[]){&curve->tangents, &curve->adjoints, NULL});
@@ -41,7 +41,7 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
     }
     if (system->form == TVI_SEPARABLE) return;
     tvi_factor_allocate(&curve->L_vv, arena, system->n);
-    curve->slots_by_v = tvi_arena_allocate_doubles(arena, slots * n);
+    curve->dslots_dv = tvi_arena_allocate_doubles(arena, slots * n);
     curve->right_sides = tvi_arena_allocate_doubles(arena, n * lanes);
     curve->column = tvi_arena_allocate_doubles(arena, n);
 }
@@ -71,7 +71,7 @@ tvi_status tvi_curve_factor_L_vv(tvi_curve *curve)
 {
     const tvi_system *system = curve->system;
     const int n = curve->n, *output = system->field_series->output_slot;
-    double *by_v = curve->slots_by_v;
+    double *by_v = curve->dslots_dv;
     memset(by_v, 0, (size_t)(first_computed_slot(system) * n) * sizeof *by_v);
     for (int i = 0; i < n; i++) by_v[(n + i) * n + i] = 1;
     jet_sweep_tangents(system->field_series, curve->series, by_v, 0, n);
@@ -116,7 +116,7 @@ static void solve_for_velocity(const tvi_curve *curve, int k, int lanes, const d
     }
     if (k == curve->highest_order) return;
     for (int slot = first_computed_slot(curve->system); slot < slots; slot++) {
-        const double *by_v = curve->slots_by_v + slot * n;
+        const double *by_v = curve->dslots_dv + slot * n;
         double *row = order + slot * lanes;
         JET_BLOCKS(lanes, ADD_VELOCITY, );
     }
@@ -210,12 +210,12 @@ void tvi_curve_expand_tangents(tvi_curve *curve, int lanes)
 
 /* ---- Sums of the coefficients ------------------------------------------------------------------------------------ */
 
-tvi_curve_sum tvi_curve_sum_allocate(const tvi_curve *curve, tvi_arena *arena)
+tvi_series_sum tvi_series_sum_allocate(const tvi_curve *curve, tvi_arena *arena)
 {
-    return (tvi_curve_sum){false, tvi_arena_allocate_doubles(arena, (size_t)curve->highest_order + 1)};
+    return (tvi_series_sum){false, tvi_arena_allocate_doubles(arena, (size_t)curve->highest_order + 1)};
 }
 
-void tvi_curve_sum_set(tvi_curve_sum *sum, const tvi_curve *curve, bool of_U, const double weight[])
+void tvi_series_sum_set(tvi_series_sum *sum, const tvi_curve *curve, bool of_U, const double weight[])
 {
     /* Of a separable system U_{k-1} = k Q_k. */
     const bool shifts = of_U && curve->system->form == TVI_SEPARABLE;
@@ -224,17 +224,17 @@ void tvi_curve_sum_set(tvi_curve_sum *sum, const tvi_curve *curve, bool of_U, co
     for (int k = 1; k <= curve->highest_order; k++) sum->weight[k] = shifts ? k * weight[k - 1] : weight[k];
 }
 
-void tvi_curve_sum_set_powers(tvi_curve_sum *sum, const tvi_curve *curve, bool of_U, int degree, double a, double s_a,
-                              double b, double s_b)
+void tvi_series_sum_set_powers(tvi_series_sum *sum, const tvi_curve *curve, bool of_U, int degree, double a, double s_a,
+                               double b, double s_b)
 {
     double weight[TVI_MAX_DEGREE + 2] = {0};
     for (int k = 0; k <= degree; k++) weight[k] = a * pow(s_a, k) + b * pow(s_b, k);
-    tvi_curve_sum_set(sum, curve, of_U, weight);
+    tvi_series_sum_set(sum, curve, of_U, weight);
 }
 
-void tvi_curve_sum_compute(const tvi_curve *curve, const tvi_curve_sum *sum, double out[])
+void tvi_series_sum_compute(const tvi_curve *curve, const tvi_series_sum *sum, double out[])
 {
-    curve_sum_by(curve, sum, false, out);
+    series_sum_add_up(curve, sum, false, out);
 }
 
 void tvi_curve_z_sizes(const tvi_curve *curve, double size[])
@@ -259,16 +259,16 @@ void tvi_curve_set_degrees(tvi_curve *curve, int q_degree, int p_degree)
     curve->q_degree = q_degree;
     curve->p_degree = p_degree;
     for (int k = 0; k <= q_degree; k++) weight[k] = k;
-    tvi_curve_sum_set(&curve->q_size_sum, curve, false, weight);
+    tvi_series_sum_set(&curve->q_size_sum, curve, false, weight);
     for (int k = p_degree + 1; k <= q_degree; k++) weight[k] = 0;
     weight[0] = 1;
-    tvi_curve_sum_set(&curve->u_size_sum, curve, true, weight);
+    tvi_series_sum_set(&curve->u_size_sum, curve, true, weight);
 }
 
 void tvi_curve_compute_sizes(const tvi_curve *curve)
 {
-    curve_sum_by(curve, &curve->q_size_sum, true, curve->dq_size);
-    curve_sum_by(curve, &curve->u_size_sum, true, curve->u_size);
+    series_sum_add_up(curve, &curve->q_size_sum, true, curve->dq_size);
+    series_sum_add_up(curve, &curve->u_size_sum, true, curve->u_size);
 }
 
 double tvi_curve_tail(const tvi_curve *curve)
@@ -317,54 +317,55 @@ typedef struct {
     double value[BLOCK], size[BLOCK], slope[BLOCK], slope_size[BLOCK];
 } block_sums;
 
-/* Multiplies row k, from component `here` on, by power[k], and adds it to the sums. */
-JET_INLINE void rescale_row(const taylor_rows *rows, const double power[], int k, int here, int width, bool has_slope,
-                            block_sums *sums)
+/* Multiplies `width` components of row k, from first_component on, by power[k], and adds them to the sums. */
+JET_INLINE void rescale_row(const taylor_rows *rows, const double power[], int k, int first_component, int width,
+                            bool sums_slope, block_sums *sums)
 {
-    double *x = rows->x + (size_t)k * rows->stride + here;
+    double *x = rows->x + (size_t)k * rows->stride + first_component;
     JET_UNROLL(1) /* so that gcc makes vectors of the components */
     for (int i = 0; i < width; i++) {
         const double x_k = x[i] * power[k], size = fabs(x_k);
         x[i] = x_k;
         sums->value[i] += x_k;
         sums->size[i] = JET_FUSED(k, size, sums->size[i]);
-        if (has_slope) sums->slope[i] = JET_FUSED(k, x_k, sums->slope[i]);
-        if (has_slope) sums->slope_size[i] = JET_FUSED(k - 1, k * size, sums->slope_size[i]);
+        if (sums_slope) sums->slope[i] = JET_FUSED(k, x_k, sums->slope[i]);
+        if (sums_slope) sums->slope_size[i] = JET_FUSED(k - 1, k * size, sums->slope_size[i]);
     }
 }
 
-/* Rescales and sums `width` components from number `here` on. width and has_slope, whether there are sums of the slope,
- * are constants. */
-JET_INLINE void rescale_block(const taylor_rows *rows, const double power[], int here, int width, bool has_slope)
+/* Rescales `width` components in all rows, from first_component on, and computes their sums: value and size, and if
+ * sums_slope is set also slope and slope_size. The width and sums_slope are constants in each call. */
+JET_INLINE void rescale_block(const taylor_rows *rows, const double power[], int first_component, int width,
+                              bool sums_slope)
 {
     block_sums even = {{0}, {0}, {0}, {0}}, odd = even;
     int k = rows->degree;
     for (; k > rows->least; k -= 2) {
-        rescale_row(rows, power, k, here, width, has_slope, &even);
-        rescale_row(rows, power, k - 1, here, width, has_slope, &odd);
+        rescale_row(rows, power, k, first_component, width, sums_slope, &even);
+        rescale_row(rows, power, k - 1, first_component, width, sums_slope, &odd);
     }
-    if (k == rows->least) rescale_row(rows, power, k, here, width, has_slope, &even);
-    double *x_1 = rows->x + rows->stride + here;
+    if (k == rows->least) rescale_row(rows, power, k, first_component, width, sums_slope, &even);
+    double *x_1 = rows->x + rows->stride + first_component;
     for (int i = 0; i < width; i++) {
         double value = even.value[i] + odd.value[i], size = even.size[i] + odd.size[i];
-        if (has_slope) {
+        if (sums_slope) {
             x_1[i] *= power[1];
             value += x_1[i];
             size += fabs(x_1[i]);
-            rows->slope[here + i] = even.slope[i] + odd.slope[i];
-            rows->slope_size[here + i] = even.slope_size[i] + odd.slope_size[i] + fabs(x_1[i]);
+            rows->slope[first_component + i] = even.slope[i] + odd.slope[i];
+            rows->slope_size[first_component + i] = even.slope_size[i] + odd.slope_size[i] + fabs(x_1[i]);
         }
-        rows->value[here + i] = value;
-        rows->size[here + i] = size;
+        rows->value[first_component + i] = value;
+        rows->size[first_component + i] = size;
     }
 }
 
-JET_INLINE void rescale_rows(const taylor_rows *rows, const double power[], bool has_slope)
+JET_INLINE void rescale_rows(const taylor_rows *rows, const double power[], bool sums_slope)
 {
     int here = 0;
-    for (; here + BLOCK <= rows->components; here += BLOCK) rescale_block(rows, power, here, BLOCK, has_slope);
-    for (; here + 2 <= rows->components; here += 2) rescale_block(rows, power, here, 2, has_slope);
-    for (; here < rows->components; here++) rescale_block(rows, power, here, 1, has_slope);
+    for (; here + BLOCK <= rows->components; here += BLOCK) rescale_block(rows, power, here, BLOCK, sums_slope);
+    for (; here + 2 <= rows->components; here += 2) rescale_block(rows, power, here, 2, sums_slope);
+    for (; here < rows->components; here++) rescale_block(rows, power, here, 1, sums_slope);
 }
 
 /* Rescales and sums the rows of `components` components of a system that is not separable, from x on; the rows above

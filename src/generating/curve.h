@@ -61,11 +61,12 @@ static inline void tvi_add_weighted_rows(size_t count, const double weight[], si
     add_weighted(count, weight, stride, components, row, out, false);
 }
 
-/* A weighted sum of the curve's coefficients, sum_k weight_k Q_k or sum_k weight_k U_k. */
+/* A weighted sum of the coefficients of one series: sum_k weight_k Q_k, or sum_k weight_k U_k. With weight_k = s^k it
+ * is q or u at s. */
 typedef struct {
-    bool is_of_U;   /* of the U_k; those of a separable system are Q_k, too */
-    double *weight; /* [highest_order + 1] */
-} tvi_curve_sum;
+    bool is_of_U;   /* The sum is over U_k. In a separable system it is never set: U_k is (k+1) Q_{k+1} there. */
+    double *weight; /* [highest_order + 1] The weights. */
+} tvi_series_sum;
 
 typedef struct {
     const tvi_system *system;
@@ -83,11 +84,11 @@ typedef struct {
     double *U_product;         /* [2n] scratch: sum_k (dU_k/dz)^T seed_k */
     double *sum_jacobian;      /* [n][2n] scratch: the Jacobian of a sum */
     double *one_over, *log_of; /* [highest_order + 2] 1 / k and log k */
-    tvi_curve_sum q_size_sum, u_size_sum;
+    tvi_series_sum q_size_sum, u_size_sum;
     double *dq_size, *u_size;        /* [n] sum_k k |Q_k|, and |U_0| + sum_k k |U_k| */
     double *tail_share, *tail_ratio; /* [n] scratch of the tail: shares of the motion, and ratios of the last term */
     tvi_lu_factor L_vv;              /* L_vv or H_pp at the centre; unused if separable */
-    double *slots_by_v;              /* [slots][n] the derivatives of all slots by v, or p, at the centre */
+    double *dslots_dv;               /* [slots][n] the derivatives of all slots by v, or p, at the centre */
     double *right_sides, *column;    /* scratch for solving with L_vv: [n][lanes], and one column [n] */
 } tvi_curve;
 
@@ -156,16 +157,17 @@ TVI_NODISCARD tvi_status tvi_curve_factor_L_vv(tvi_curve *curve);
 
 /* ---- Sums of the coefficients ------------------------------------------------------------------------------------ */
 
-tvi_curve_sum tvi_curve_sum_allocate(const tvi_curve *curve, tvi_arena *arena);
+tvi_series_sum tvi_series_sum_allocate(const tvi_curve *curve, tvi_arena *arena);
 /* Sets a sum to sum_k weight_k Q_k, or to sum_k weight_k U_k. */
-void tvi_curve_sum_set(tvi_curve_sum *sum, const tvi_curve *curve, bool of_U, const double weight[]);
+void tvi_series_sum_set(tvi_series_sum *sum, const tvi_curve *curve, bool of_U, const double weight[]);
 /* Sets the weights to a s_a^k + b s_b^k for k <= degree, and to 0 above. */
-void tvi_curve_sum_set_powers(tvi_curve_sum *sum, const tvi_curve *curve, bool of_U, int degree, double a, double s_a,
-                              double b, double s_b);
+void tvi_series_sum_set_powers(tvi_series_sum *sum, const tvi_curve *curve, bool of_U, int degree, double a, double s_a,
+                               double b, double s_b);
 
 /* Computes out[n], the sum, or the sum of the coefficients' magnitudes if of_sizes is set. Small terms are added
  * first. */
-static inline void curve_sum_by(const tvi_curve *curve, const tvi_curve_sum *sum, const bool of_sizes, double out[])
+static inline void series_sum_add_up(const tvi_curve *curve, const tvi_series_sum *sum, const bool of_sizes,
+                                     double out[])
 {
     const size_t orders = (size_t)curve->highest_order + 1, stride = curve_stride(curve), n = (size_t)curve->n;
     memset(out, 0, n * sizeof *out);
@@ -177,12 +179,14 @@ static inline void curve_sum_by(const tvi_curve *curve, const tvi_curve_sum *sum
                          curve->series + curve->system->field_series->output_slot[n + i], out + i, of_sizes);
 }
 
-/* Computes out[n], the sum; its Jacobian by z, matrix[n][2n]; and the Jacobian times dz, out[n], for the dz that
- * tvi_curve_set_dz has set. */
-void tvi_curve_sum_compute(const tvi_curve *curve, const tvi_curve_sum *sum, double out[]);
-void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_curve_sum *sum, double matrix[]);
+/* Computes out[n], the value of the sum. */
+void tvi_series_sum_compute(const tvi_curve *curve, const tvi_series_sum *sum, double out[]);
+/* Computes matrix[n][2n], the Jacobian of the sum by z. */
+void tvi_series_sum_compute_jacobian(const tvi_curve *curve, const tvi_series_sum *sum, double matrix[]);
+/* Sets the change dz [2n] of z for the function below. */
 void tvi_curve_set_dz(tvi_curve *curve, const double dz[]);
-void tvi_curve_sum_along_dz(const tvi_curve *curve, const tvi_curve_sum *sum, double out[]);
+/* Computes out[n], the change of the sum to first order if z changes by dz: its Jacobian times dz. */
+void tvi_series_sum_compute_change(const tvi_curve *curve, const tvi_series_sum *sum, double out[]);
 
 /* Computes the natural sizes of the numbers of z [2n], relative to which their corrections are measured: sum_k |Q_k|,
  * and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
@@ -209,8 +213,9 @@ void tvi_curve_compute_jacobians(tvi_curve *curve);
  * be NULL, and is not read for a separable system. */
 void tvi_curve_multiply_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
 
-/* Returns the sweeps of the tapes that a stepper needs if its curves use their Jacobians in the way `jacobians`, and
- * its action has `points` nodes. */
+/* Returns the tapes that the steps of a stepper run, and which sweeps of each generated code is to contain. The curves
+ * of the stepper use their Jacobians as `jacobians` says: not at all, as matrices or in products. Its action has
+ * `points` nodes. */
 tvi_tapes_of_steps tvi_curve_list_tapes(const tvi_system *system, const tvi_options *options, int points,
                                         tvi_jacobians jacobians);
 
@@ -222,17 +227,18 @@ void tvi_curve_rescale(tvi_curve *curve, double factor, double dq[], double du[]
 
 /* ---- Products with transposed Jacobians (products.c) ------------------------------------------------------------- */
 
-/* The operands of a product with transposed Jacobians, a sum: sum_k (dQ_k/dz)^T seed_Q[k], and factor times the
- * transposed Jacobians of the sums `upper` and `lower` times x and y [n]. Seeds and sums that are NULL are omitted. */
+/* The operands of a product with transposed Jacobians: sum_k (dQ_k/dz)^T seed_Q[k] + factor (J_upper^T x + J_lower^T
+ * y), with J_upper and J_lower the Jacobians of the sums `upper` and `lower`, and x and y [n]. Seeds and sums that are
+ * NULL are omitted. */
 typedef struct {
     const double *seed_Q;
     double factor;
-    const tvi_curve_sum *upper, *lower;
+    const tvi_series_sum *upper, *lower;
     const double *x, *y;
 } tvi_transposed_product;
 
 /* Computes the product out[2n] of a separable system by an adjoint sweep, from the orders of the curve up to
  * last_order, 1 <= last_order <= highest_order; the cost grows as its square. */
-void tvi_multiply_transposed(tvi_curve *curve, int last_order, const tvi_transposed_product *of, double out[]);
+void tvi_multiply_transposed(tvi_curve *curve, int last_order, const tvi_transposed_product *product, double out[]);
 
 #endif

@@ -4,7 +4,8 @@
  * and so is the change of the energy, if the system conserves one. The coefficients at the start do not show a force
  * that the body meets only within the step. taylor.c calls it for each step.
  *
- * The scaled time s goes from 0 to 1 in the step, and x' is the derivative of x by s. With u = kappa p the defects are
+ * The scaled time s goes from 0 to 1 in the step, and x' is the derivative of x by s. The factor kappa scales momenta:
+ * it is h/m in a separable system, whose force is F, and 1 in all others. With u = kappa p the defects are
  *     separable      h kappa F - u',                    relative to the largest u,
  *     Hamiltonian    h H_p - q'  and  -h H_q - p',      relative to the largest q and p,
  *     Lagrangian     L_v - p  and  h L_q - p',          relative to the largest p.
@@ -48,15 +49,13 @@ void tvi_defect_set_tables(const tvi_defect *defect, const tvi_curve *curve)
     }
 }
 
-/* Returns the series of u_i, whose coefficients are a stride apart; of a separable system that of u_i' = Q_i''. */
-static const double *series_of_u(const tvi_curve *curve, int i)
+/* Returns the coefficients of the series of the scaled momentum u_i, which are a stride apart, in a system that is not
+ * separable. A separable system has no such series: u is q' there, and its defect is computed from q''. */
+static const double *locate_series_of_u(const tvi_curve *curve, int i)
 {
-    const double *Q = curve_Q(curve, 0);
-    switch (curve->system->form) {
-    case TVI_SEPARABLE: return Q + i;
-    case TVI_LAGRANGIAN: return Q + curve->system->field_series->output_slot[curve->n + i];
-    default: return Q + curve->n + i;
-    }
+    const int n = curve->n;
+    return curve_Q(curve, 0) +
+           (curve->system->form == TVI_LAGRANGIAN ? curve->system->field_series->output_slot[n + i] : n + i);
 }
 
 /* Computes the sum of a series at the places, with the weights of a table. */
@@ -75,7 +74,7 @@ static bool evaluate_field(const tvi_defect *defect, const tvi_curve *curve, dou
         const double *Q = curve_Q(curve, 0) + i;
         sum_at_places(curve, curve->q_degree, Q, defect->power, defect->field + i * PLACES);
         if (system->form == TVI_HAMILTONIAN)
-            sum_at_places(curve, curve->p_degree, series_of_u(curve, i), defect->power, second + i * PLACES);
+            sum_at_places(curve, curve->p_degree, locate_series_of_u(curve, i), defect->power, second + i * PLACES);
         if (system->form != TVI_LAGRANGIAN) continue;
         sum_at_places(curve, curve->q_degree, Q, defect->slope, second + i * PLACES);
         for (int place = 0; place < PLACES; place++) second[i * PLACES + place] /= h;
@@ -120,7 +119,8 @@ static bool is_field_met(comparison *with)
     const int n = curve->n;
     double row[PLACES];
     for (int i = 0; i < n; i++) {
-        const double *Q = curve_Q(curve, 0) + i, *u = series_of_u(curve, i);
+        const double *Q = curve_Q(curve, 0) + i,
+                     *u = curve->system->form == TVI_SEPARABLE ? NULL : locate_series_of_u(curve, i);
         switch (curve->system->form) {
         case TVI_SEPARABLE:
             sum_at_places(curve, curve->q_degree, Q, defect->second, row);

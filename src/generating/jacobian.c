@@ -88,7 +88,7 @@ void tvi_curve_compute_jacobians(tvi_curve *curve)
     }
 }
 
-void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_curve_sum *sum, double matrix[])
+void tvi_series_sum_compute_jacobian(const tvi_curve *curve, const tvi_series_sum *sum, double matrix[])
 {
     jet_combine_rows(curve->highest_order + 1, sum->weight, 1, 2 * curve->n * curve->n,
                      sum->is_of_U ? curve->dU_dz : curve->dQ_dz, matrix);
@@ -117,7 +117,7 @@ void tvi_curve_set_dz(tvi_curve *curve, const double dz[])
     tvi_curve_expand_tangents(curve, 1);
 }
 
-void tvi_curve_sum_along_dz(const tvi_curve *curve, const tvi_curve_sum *sum, double out[])
+void tvi_series_sum_compute_change(const tvi_curve *curve, const tvi_series_sum *sum, double out[])
 {
     const int n = curve->n;
     memset(out, 0, (size_t)n * sizeof *out);
@@ -126,7 +126,7 @@ void tvi_curve_sum_along_dz(const tvi_curve *curve, const tvi_curve_sum *sum, do
                               curve->tangents, out);
         return;
     }
-    tvi_curve_sum_jacobian(curve, sum, curve->sum_jacobian);
+    tvi_series_sum_compute_jacobian(curve, sum, curve->sum_jacobian);
     for (int i = 0; i < n; i++)
         for (int d = 0; d < 2 * n; d++) out[i] += curve->sum_jacobian[i * 2 * n + d] * curve->dz[d];
 }

@@ -13,7 +13,7 @@ typedef struct {
     bool has_jacobians; /* whether they were computed in this step, and A factored */
     bool has_J;         /* whether the corrector's Jacobian J = d(q-, u-)/dz was computed in this step */
     double moved;       /* how far z has moved since J was computed, relative to the size of z */
-    double *G;          /* [n][2n] the Jacobian of equations.upper, if lower is 0 */
+    double *G;          /* [n][2n] the Jacobian J of equations.upper_sum, if there is no lower_sum */
     tvi_lu_factor A;    /* the factors of A: n x n, or 2n x 2n */
 } tvi_matrices;
 
@@ -23,7 +23,7 @@ static void allocate(tvi_corrected_curve *c, tvi_arena *arena)
     tvi_matrices *allocated = tvi_arena_allocate(arena, sizeof *allocated), m = {0};
     m.z = tvi_arena_allocate_doubles(arena, 2 * (size_t)n);
     m.G = tvi_arena_allocate_doubles(arena, (size_t)n * 2 * (size_t)n);
-    tvi_factor_allocate(&m.A, arena, c->definition->equations.lower ? 2 * n : n);
+    tvi_factor_allocate(&m.A, arena, c->definition->equations.lower_sum ? 2 * n : n);
     if (allocated) *allocated = m;
     c->solver_memory = allocated;
 }
@@ -38,8 +38,8 @@ static void begin(tvi_corrected_curve *c)
 static void stack_jacobians(const tvi_corrected_curve *c, tvi_end_sum upper, tvi_end_sum lower, double matrix[])
 {
     const int n = c->curve.n;
-    tvi_curve_sum_jacobian(&c->curve, &c->ends[upper], matrix);
-    tvi_curve_sum_jacobian(&c->curve, &c->ends[lower], matrix + 2 * n * n);
+    tvi_series_sum_compute_jacobian(&c->curve, &c->ends[upper], matrix);
+    tvi_series_sum_compute_jacobian(&c->curve, &c->ends[lower], matrix + 2 * n * n);
 }
 
 /* Computes J for the corrector. Returns false, and computes nothing, if it can reuse that of an earlier pass of this
@@ -108,12 +108,12 @@ static bool are_jacobians_due(const tvi_corrected_curve *c, const double z[], co
 static tvi_status factor_A(const tvi_corrected_curve *c)
 {
     const tvi_end_equations *equations = &c->definition->equations;
-    const size_t n = (size_t)c->curve.n, first = equations->has_last_columns ? n : 0;
+    const size_t n = (size_t)c->curve.n, first = equations->takes_last_columns_of_J ? n : 0;
     tvi_matrices *m = c->solver_memory;
-    if (equations->lower) {
-        stack_jacobians(c, equations->upper, equations->lower, m->A.lu);
+    if (equations->lower_sum) {
+        stack_jacobians(c, equations->upper_sum, equations->lower_sum, m->A.lu);
     } else {
-        tvi_curve_sum_jacobian(&c->curve, &c->ends[equations->upper], m->G);
+        tvi_series_sum_compute_jacobian(&c->curve, &c->ends[equations->upper_sum], m->G);
         for (size_t i = 0; i < n; i++) memcpy(m->A.lu + i * n, m->G + i * 2 * n + first, n * sizeof(double));
     }
     return tvi_factor_compute(&m->A);
@@ -122,7 +122,7 @@ static tvi_status factor_A(const tvi_corrected_curve *c)
 static tvi_status solve_end_equations(tvi_corrected_curve *c, const double z[], const double scale[], tvi_stats *stats)
 {
     const tvi_end_equations *equations = &c->definition->equations;
-    const size_t n = (size_t)c->curve.n, solved = equations->has_last_columns ? n : 0, other = n - solved;
+    const size_t n = (size_t)c->curve.n, solved = equations->takes_last_columns_of_J ? n : 0, other = n - solved;
     tvi_matrices *m = c->solver_memory;
     if (are_jacobians_due(c, z, scale)) {
         tvi_curve_compute_jacobians(&c->curve);
@@ -134,7 +134,7 @@ static tvi_status solve_end_equations(tvi_corrected_curve *c, const double z[], 
     }
     tvi_curve_multiply_seeds(&c->curve, c->seed_Q, c->seed_U, c->D_z);
     tvi_factor_solve_transposed(&m->A, c->D_z + solved);
-    if (equations->lower) return TVI_OK;
+    if (equations->lower_sum) return TVI_OK;
     /* The other half of D_z becomes D_z - K^T x, with K the other half of the Jacobian. */
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++) c->D_z[other + j] -= c->D_z[solved + i] * m->G[i * 2 * n + other + j];

@@ -1,6 +1,7 @@
-/* methods.c - defines the descriptors of the methods that expand Taylor curves, for the list of methods
- * (method/list.h): a row for each generating function and each place where its curve is expanded (docs/method.md
- * section 4).
+/* methods.c - defines the descriptors of the methods, for the list of methods (method/list.h): a row for each
+ * generating function and each place where its Taylor curve is expanded (docs/method.md section 4), and at the end
+ * "taylor" and "galerkin", whose curve is none of Taylor's. "stormer-verlet" has its descriptor in method/verlet.c.
+ *
  * The letters: (q-, p-) and (q+, p+) are the ends of the curve, functions of the state z at its centre, and u = kappa
  * p, where the factor kappa gives momenta the unit of coordinates; G- and G+ are the Jacobians of q- and q+ by z, M
  * their mean, and R = G+ - G-. Subscripts are derivatives by the first half of z, the coordinates, or by the second.

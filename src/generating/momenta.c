@@ -90,7 +90,7 @@ static double dp_roundoff(tvi_action *action, tvi_curve *curve)
     return ROUNDOFF_MAX_UNITS * tvi_largest_magnitude(n, action->dp, 1);
 }
 
-tvi_status tvi_action_find_momenta(tvi_action *action, tvi_curve *curve)
+tvi_status tvi_action_find_node_momenta(tvi_action *action, tvi_curve *curve)
 {
     const int count = curve->n * action->nodes;
     double *p = action->slots + count;

@@ -30,12 +30,12 @@
 /* The sizes of the corrections of a pass: the largest correction relative to its unknown's scale, and the largest
  * correction of a group relative to the largest scale of the group. */
 typedef struct {
-    double unknown, group;
+    double largest_of_unknowns, largest_of_groups;
 } correction_sizes;
 
 /* The passes of a solution so far. */
 typedef struct {
-    tvi_convergence_test unknowns, groups; /* of correction_sizes.unknown and .group */
+    tvi_convergence_test unknowns, groups; /* the tests of the two sizes of a correction */
     double growth;                         /* the growth for which the expected size of the next correction allows */
     double unconfirmed; /* a greater growth that the last correction suggests and that no later one has confirmed */
     bool must_confirm;  /* whether one more pass must confirm the expected convergence */
@@ -61,12 +61,14 @@ static void raise_small_scales(const tvi_newton *newton, int begin, int end)
     }
 }
 
-/* Computes the scales of the unknowns: their natural sizes at the prediction. If a correction has moved an unknown by
- * about its scale (NEWTON_SAME_SCALE), the prediction said nothing of it, and its size at the new point is its scale,
- * if that is less. A larger size is not: where the series diverge, their terms have any size, and each
- * correction would be small beside it. *fell becomes true if a scale is less than before. Fails if a size is not
- * finite, beside which each correction would be nothing. */
-static tvi_status compute_scales(tvi_newton *newton, const tvi_equations *equations, bool is_first, bool *fell)
+/* Computes the scales of the unknowns. The first call sets them to the natural sizes at the prediction. A later call
+ * follows a correction that has moved an unknown by about its scale (NEWTON_SAME_SCALE), so that the size at the
+ * prediction was a poor guess of the size of the solution. Such a call replaces a scale by the natural size at the new
+ * point if that is smaller, and sets *has_scale_decreased. It does not replace a scale by a larger size: if the series
+ * diverge, their terms can have any size, and corrections relative to that size would seem small. The function fails if
+ * a size is not finite, because each correction relative to it would be 0. */
+static tvi_status compute_scales(tvi_newton *newton, const tvi_equations *equations, bool is_first,
+                                 bool *has_scale_decreased)
 {
     const tvi_subsystems *subsystems = newton->subsystems;
     double *sizes = is_first ? newton->scale : newton->trial_x;
@@ -75,7 +77,7 @@ static tvi_status compute_scales(tvi_newton *newton, const tvi_equations *equati
     for (int i = 0; i < newton->size; i++)
         if (sizes[i] > 0 && sizes[i] < newton->scale[i]) {
             newton->scale[i] = sizes[i];
-            *fell = true;
+            *has_scale_decreased = true;
         }
     for (int k = 0, begin = 0, end; k < subsystems->count; k++, begin = end) {
         end = tvi_subsystems_end(subsystems, k, newton->group);
@@ -94,11 +96,11 @@ static void measure_subsystem(const tvi_newton *newton, const double scale[], in
         for (int k = begin; k < end; k++) {
             const int i = first + tvi_subsystems_component_at(newton->subsystems, k);
             const double size = fabs(newton->correction[i]);
-            sizes->unknown = tvi_larger(size / scale[i], sizes->unknown);
+            sizes->largest_of_unknowns = tvi_larger(size / scale[i], sizes->largest_of_unknowns);
             largest = tvi_larger(size, largest);
             largest_scale = tvi_larger(scale[i], largest_scale);
         }
-        sizes->group = tvi_larger(largest / largest_scale, sizes->group);
+        sizes->largest_of_groups = tvi_larger(largest / largest_scale, sizes->largest_of_groups);
     }
 }
 
@@ -171,15 +173,17 @@ static tvi_passes_verdict judge_pass(newton_progress *record, const tvi_newton *
 {
     const tvi_stopping_rule *rule = &newton->unknown_rule;
     const double expected = record->unknowns.expected_next_size;
-    update_growth(record, rule, sizes->unknown);
+    update_growth(record, rule, sizes->largest_of_unknowns);
     record->unknowns.ratio_growth = tvi_larger(record->growth, record->unconfirmed);
-    const tvi_passes_verdict verdict = tvi_convergence_add_pass(&record->unknowns, rule, sizes->unknown);
-    const tvi_passes_verdict of_groups = tvi_convergence_add_pass(&record->groups, &newton->group_rule, sizes->group);
-    const bool is_confirmed = expected <= rule->correction_goal && sizes->unknown <= NEWTON_CHECK_MAX_CORRECTION;
-    if (verdict == TVI_PASSES_MAY_END && record->must_confirm && sizes->unknown > 0 && !is_confirmed)
+    const tvi_passes_verdict verdict = tvi_convergence_add_pass(&record->unknowns, rule, sizes->largest_of_unknowns);
+    const tvi_passes_verdict of_groups =
+        tvi_convergence_add_pass(&record->groups, &newton->group_rule, sizes->largest_of_groups);
+    const bool is_confirmed =
+        expected <= rule->correction_goal && sizes->largest_of_unknowns <= NEWTON_CHECK_MAX_CORRECTION;
+    if (verdict == TVI_PASSES_MAY_END && record->must_confirm && sizes->largest_of_unknowns > 0 && !is_confirmed)
         return TVI_PASSES_GO_ON;
     if (verdict != TVI_PASSES_STUCK) return verdict;
-    if (sizes->group <= NEWTON_STALLED_CORRECTION) return TVI_PASSES_MAY_END;
+    if (sizes->largest_of_groups <= NEWTON_STALLED_CORRECTION) return TVI_PASSES_MAY_END;
     return of_groups == TVI_PASSES_STUCK ? TVI_PASSES_STUCK : TVI_PASSES_GO_ON;
 }
 
@@ -247,7 +251,7 @@ static bool is_correction_roundoff(tvi_newton *newton, const tvi_equations *equa
     }
     for (int i = 0; i < newton->size; i++)
         newton->roundoff_scale[i] += DBL_EPSILON / NEWTON_STALLED_CORRECTION * fabs(newton->x[i]);
-    if (measure_corrections(newton, newton->roundoff_scale).group > NEWTON_STALLED_CORRECTION) return false;
+    if (measure_corrections(newton, newton->roundoff_scale).largest_of_groups > NEWTON_STALLED_CORRECTION) return false;
     record->growth = 1; /* the corrections are roundoff, and show no contraction */
     return true;
 }
@@ -294,15 +298,16 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
     for (int count = 1; count <= newton->unknown_rule.max_passes; count++) {
         refreshes += is_stuck;
         newton->is_by_differences = newton->has_jacobian && refreshes > 0;
-        bool fell = false;
+        bool has_scale_decreased = false;
         tvi_status status = equations->residual(equations->self, newton->x, newton->correction);
-        if (status == TVI_OK && needs_scales) status = compute_scales(newton, equations, count == 1, &fell);
+        if (status == TVI_OK && needs_scales)
+            status = compute_scales(newton, equations, count == 1, &has_scale_decreased);
         if (status == TVI_OK) status = compute_correction(newton, equations, newton->has_jacobian && is_stuck, stats);
         if (status != TVI_OK) return status;
         /* A correction of roundoff may be as large as a small scale, and make it fall for ever. */
-        if (fell && restarts++ < NEWTON_MAX_REFRESHES) forget_sizes(&record, &newton->unknown_rule);
+        if (has_scale_decreased && restarts++ < NEWTON_MAX_REFRESHES) forget_sizes(&record, &newton->unknown_rule);
         const correction_sizes sizes = measure_corrections(newton, newton->scale);
-        stats->residual = sizes.unknown;
+        stats->residual = sizes.largest_of_unknowns;
         tvi_passes_verdict verdict = judge_pass(&record, newton, &sizes);
         if (verdict == TVI_PASSES_STUCK && is_correction_roundoff(newton, equations, &record))
             verdict = TVI_PASSES_MAY_END;
@@ -311,7 +316,7 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
             return TVI_OK;
         }
         for (int i = 0; i < newton->size; i++) newton->x[i] += newton->correction[i];
-        needs_scales = sizes.unknown > NEWTON_SAME_SCALE;
+        needs_scales = sizes.largest_of_unknowns > NEWTON_SAME_SCALE;
         is_stuck = verdict == TVI_PASSES_STUCK;
         if (is_stuck && refreshes == NEWTON_MAX_REFRESHES) return TVI_ENOCONV;
     }

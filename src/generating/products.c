@@ -29,17 +29,17 @@ static double *adjoint_of_Q(const tvi_curve *curve, int k) { return curve->adjoi
 /* Sets the adjoints of Q_k to the seeds, and all other adjoints to 0, since operations of an order may add to the
  * adjoints of all lower orders. The sweep does not use other adjoints of the last two orders, since no Q_k follows from
  * these orders of the field. */
-static void set_adjoint_seeds(const tvi_curve *curve, int last_order, const tvi_transposed_product *of)
+static void set_adjoint_seeds(const tvi_curve *curve, int last_order, const tvi_transposed_product *product)
 {
     const int n = curve->n;
     for (int k = 0; k <= last_order; k++) {
-        const double upper = of->upper ? of->factor * of->upper->weight[k] : 0,
-                     lower = of->lower ? of->factor * of->lower->weight[k] : 0;
+        const double upper = product->upper ? product->factor * product->upper->weight[k] : 0,
+                     lower = product->lower ? product->factor * product->lower->weight[k] : 0;
         double *restrict bar = adjoint_of_Q(curve, k);
-        if (of->seed_Q) memcpy(bar, of->seed_Q + k * n, (size_t)n * sizeof *bar);
+        if (product->seed_Q) memcpy(bar, product->seed_Q + k * n, (size_t)n * sizeof *bar);
         else memset(bar, 0, (size_t)n * sizeof *bar);
-        for (int i = 0; i < n && of->upper; i++) bar[i] += upper * of->x[i];
-        for (int i = 0; i < n && of->lower; i++) bar[i] += lower * of->y[i];
+        for (int i = 0; i < n && product->upper; i++) bar[i] += upper * product->x[i];
+        for (int i = 0; i < n && product->lower; i++) bar[i] += lower * product->y[i];
         if (k + 2 <= last_order) memset(bar + n, 0, (curve_stride(curve) - (size_t)n) * sizeof *bar);
     }
 }
@@ -54,13 +54,13 @@ static void set_adjoint_seeds(const tvi_curve *curve, int last_order, const tvi_
 
 /* Computes the product from high to low orders: the adjoint of order k of the force is Fbar_k = tau^2 / ((k+1)(k+2))
  * M^-1 Qbar_{k+2}; then follow the adjoints of the operations of that order. */
-void tvi_multiply_transposed(tvi_curve *curve, int last_order, const tvi_transposed_product *of, double out[])
+void tvi_multiply_transposed(tvi_curve *curve, int last_order, const tvi_transposed_product *product, double out[])
 {
     enum { stride = 0 };
     const size_t n = (size_t)curve->n;
     const double *kappa = curve->kappa;
     const int *slot = curve->system->field_series->output_slot;
-    set_adjoint_seeds(curve, last_order, of);
+    set_adjoint_seeds(curve, last_order, product);
     for (int k = last_order - 2; k >= 0; k--) {
         const double part = curve->tau / ((k + 1) * (k + 2)), *above = adjoint_of_Q(curve, k + 2);
         double *bar = adjoint_of_Q(curve, k);
@@ -94,7 +94,7 @@ static void allocate(tvi_corrected_curve *c, tvi_arena *arena)
     const int n = c->curve.n, rows = (2 * n + VECTOR - 1) / VECTOR * VECTOR;
     const size_t width = (size_t)rows;
     tvi_residuals *allocated = tvi_arena_allocate(arena, sizeof *allocated),
-                  it = {.rows = rows, .first = c->definition->equations.has_last_columns ? n : 0};
+                  it = {.rows = rows, .first = c->definition->equations.takes_last_columns_of_J ? n : 0};
     tvi_arena_allocate_each(arena, width,
                             (double **[]){&it.x, &it.r, &it.one_over_size, &it.scratch, &it.product, NULL});
     tvi_arena_allocate_each(arena, PRODUCTS_MAX_ITERATIONS * width, (double **[]){&it.s, &it.v, NULL});
@@ -106,27 +106,31 @@ static void allocate(tvi_corrected_curve *c, tvi_arena *arena)
 static void begin(tvi_corrected_curve *c) { ((tvi_residuals *)c->solver_memory)->has_guess = false; }
 
 /* Returns the second sum of the equations, or NULL. */
-static const tvi_curve_sum *lower_sum(const tvi_corrected_curve *c)
+static const tvi_series_sum *lower_sum(const tvi_corrected_curve *c)
 {
-    const tvi_end_sum lower = c->definition->equations.lower;
+    const tvi_end_sum lower = c->definition->equations.lower_sum;
     return lower ? &c->ends[lower] : NULL;
 }
 
-/* Returns the operands of factor A^T vector. */
-static tvi_transposed_product times_A(const tvi_corrected_curve *c, double factor, const double vector[])
+/* Returns the operands of the product factor A^T vector, with the matrix A of the equations. */
+static tvi_transposed_product transposed_A_times(const tvi_corrected_curve *c, double factor, const double vector[])
 {
     const tvi_residuals *it = c->solver_memory;
-    return (tvi_transposed_product){
-        NULL, factor, &c->ends[c->definition->equations.upper], lower_sum(c), vector + it->first, vector + c->curve.n};
+    return (tvi_transposed_product){NULL,
+                                    factor,
+                                    &c->ends[c->definition->equations.upper_sum],
+                                    lower_sum(c),
+                                    vector + it->first,
+                                    vector + c->curve.n};
 }
 
 /* Computes vector = W^-1 r, with the weights W of Q_0 and Q_1 in A. */
 static void divide_by_weights(const tvi_corrected_curve *c, const double r[], double vector[])
 {
     const tvi_residuals *it = c->solver_memory;
-    const tvi_curve_sum *lower = lower_sum(c);
+    const tvi_series_sum *lower = lower_sum(c);
     const int n = c->curve.n, first = it->first;
-    const double upper_part = 1 / c->ends[c->definition->equations.upper].weight[first > 0],
+    const double upper_part = 1 / c->ends[c->definition->equations.upper_sum].weight[first > 0],
                  lower_part = lower ? 1 / lower->weight[1] : 0;
     for (int i = 0; i < n; i++) vector[first + i] = upper_part * r[first + i];
     for (int i = 0; i < n && lower_part != 0; i++) vector[n + i] = lower_part * r[n + i];
@@ -142,7 +146,7 @@ static void precondition(tvi_corrected_curve *c, const double r[], double s[])
               last_order = highest < PRODUCTS_NEAR_ORDER ? highest : PRODUCTS_NEAR_ORDER;
     memset(s, 0, (size_t)it->rows * sizeof *s);
     divide_by_weights(c, r, s);
-    const tvi_transposed_product product = times_A(c, 1, s);
+    const tvi_transposed_product product = transposed_A_times(c, 1, s);
     tvi_multiply_transposed(&c->curve, last_order, &product, it->product);
     for (int i = 0; i < 2 * c->curve.n; i++) it->scratch[i] = 2 * r[i] - it->product[i];
     divide_by_weights(c, it->scratch, s);
@@ -179,7 +183,7 @@ static void minimise_along_direction(tvi_corrected_curve *c, int last_order, int
     tvi_residuals *it = c->solver_memory;
     const int rows = it->rows;
     double *s = it->s + index * rows, *v = it->v + index * rows;
-    const tvi_transposed_product product = times_A(c, 1, s);
+    const tvi_transposed_product product = transposed_A_times(c, 1, s);
     tvi_multiply_transposed(&c->curve, last_order, &product, v);
     for (int i = 0; i < index; i++) {
         const double part = tvi_ratio_or_zero(scaled_dot(it, v, it->v + i * rows), it->norm[i]);
@@ -211,7 +215,7 @@ static tvi_status solve_for_x(tvi_corrected_curve *c)
     tvi_convergence_test passes;
     tvi_convergence_begin(&passes, 0);
     if (!it->has_guess) memset(it->x, 0, (size_t)it->rows * sizeof *it->x);
-    tvi_transposed_product residual = times_A(c, -1, it->x);
+    tvi_transposed_product residual = transposed_A_times(c, -1, it->x);
     residual.seed_Q = c->seed_Q;
     tvi_multiply_transposed(&c->curve, c->curve.highest_order, &residual, it->r);
     for (int index = 0; index < PRODUCTS_MAX_ITERATIONS; index++) {

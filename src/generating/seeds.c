@@ -145,7 +145,7 @@ static tvi_status compute_lagrange(tvi_action *action, tvi_curve *curve, bool ha
         break;
     case TVI_HAMILTONIAN:
     case TVI_FIELD:
-        status = tvi_action_find_momenta(action, curve);
+        status = tvi_action_find_node_momenta(action, curve);
         copy_outputs(action, n, 0, -tau, action->by_q);
         memcpy(action->by_v, second, (size_t)count * sizeof *second);
         break;
@@ -298,8 +298,8 @@ tvi_status tvi_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[
     return tvi_all_finite(seeds, seed_Q) && (!has_U || tvi_all_finite(seeds, seed_U)) ? TVI_OK : TVI_ENONFINITE;
 }
 
-tvi_status tvi_action_lagrangian(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
-                                 const double p[])
+tvi_status tvi_action_evaluate_lagrangian(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
+                                          const double p[])
 {
     const size_t panel = (size_t)(curve->n * action->nodes) * sizeof *q;
     memcpy(action->slots, q, panel);

@@ -34,8 +34,8 @@ tvi_status tvi_step_predict(work *w)
                                                    w->velocity_guess, w->z);
     if (status != TVI_OK || w->c.span.start_s == 0) return status;
     status = expand_at(w, w->z, origin->t + origin->t_low);
-    tvi_curve_sum_compute(curve, &w->q_at_centre, w->z);
-    tvi_curve_sum_compute(curve, &w->v_at_centre, w->z + curve->n);
+    tvi_series_sum_compute(curve, &w->q_at_centre, w->z);
+    tvi_series_sum_compute(curve, &w->v_at_centre, w->z + curve->n);
     return status;
 }
 
@@ -57,8 +57,9 @@ static void compute_scale(void *self, double scale[])
     }
 }
 
-/* Computes the corrections of the ends from the solution (x, y) of the equations (method/descriptor.h). */
-static void set_corrections(const tvi_corrected_curve *c)
+/* Sets the corrections of both ends of the step from the solution (x, y) of the equations in D_z, by the formulas of
+ * method/descriptor.h. */
+static void set_end_corrections(const tvi_corrected_curve *c)
 {
     const tvi_curve_end_correction_factors *factors = &c->definition->end_correction_factors;
     const double *p0 = factors->start_p_correction_factor, *dp = factors->increment_p_correction_factor;
@@ -87,9 +88,9 @@ static tvi_status compute_residual(void *self, const double z[], double *restric
     status = tvi_action_seeds(&w->action, &c->curve, c->seed_Q, c->seed_U);
     if (status == TVI_OK) status = c->solver->solve(c, z, w->newton.scale, w->stats);
     if (status != TVI_OK) return status;
-    set_corrections(c);
-    tvi_curve_sum_compute(&c->curve, &w->q_start_rise, r);
-    tvi_curve_sum_compute(&c->curve, &c->ends[TVI_U_START], r + n);
+    set_end_corrections(c);
+    tvi_series_sum_compute(&c->curve, &w->q_start_rise, r);
+    tvi_series_sum_compute(&c->curve, &c->ends[TVI_U_START], r + n);
     for (int i = 0; i < n; i++) {
         const double kappa = c->curve.kappa[i];
         r[i] += (Q_0[i] - origin->q[i]) + (c->start_correction_q[i] - origin->q_low[i]);
@@ -145,17 +146,17 @@ static tvi_status run_corrector(work *w)
 /* ---- The increments ---------------------------------------------------------------------------------------------- */
 
 /* Computes out, the sum at z + dz to first order in dz, the last correction, which has not been added to z. */
-static void sum_with_dz(const work *w, const tvi_curve_sum *sum, double out[])
+static void sum_with_dz(const work *w, const tvi_series_sum *sum, double out[])
 {
-    tvi_curve_sum_compute(&w->c.curve, sum, out);
+    tvi_series_sum_compute(&w->c.curve, sum, out);
     if (!w->has_corrections) return;
-    tvi_curve_sum_along_dz(&w->c.curve, sum, w->scratch);
+    tvi_series_sum_compute_change(&w->c.curve, sum, w->scratch);
     for (int i = 0; i < w->c.curve.n; i++) out[i] += w->scratch[i];
 }
 
 /* Computes dq = (q+ - q-) + theta increment_correction_q and dp = (p+ - p-) + theta increment_correction_p, with the
  * sums of the increments to the end of the step, theta = 1, or to a point within it. */
-static void compute_increments(const work *w, const tvi_curve_sum *q_sum, const tvi_curve_sum *u_sum, double theta,
+static void compute_increments(const work *w, const tvi_series_sum *q_sum, const tvi_series_sum *u_sum, double theta,
                                double dq[], double dp[])
 {
     const tvi_corrected_curve *c = &w->c;
@@ -196,7 +197,7 @@ static tvi_status make_step(void *self, double h, const tvi_step_origin *origin,
     if (is_taylor) tvi_step_taylor_increments(w, h, increments);
     else compute_increments(w, &c->ends[TVI_Q_STEP], &c->ends[TVI_U_STEP], 1, increments->dq, increments->dp);
     if (curve->system->form == TVI_LAGRANGIAN) { /* from this velocity the next step searches its initial velocity */
-        tvi_curve_sum_compute(curve, &w->v_at_end, w->velocity_guess);
+        tvi_series_sum_compute(curve, &w->v_at_end, w->velocity_guess);
         for (int i = 0; i < curve->n; i++) w->velocity_guess[i] /= curve->tau;
     }
     if (!is_taylor) tvi_curve_compute_sizes(curve);
@@ -211,8 +212,8 @@ static void compute_dense_output(void *self, double theta, double dq[], double d
     work *w = self;
     const tvi_curve *curve = &w->c.curve;
     const double start = w->c.span.start_s, at = start + theta * (w->c.span.end_s - start);
-    tvi_curve_sum_set_powers(&w->dense_q, curve, false, curve->q_degree, 1, at, -1, start);
-    tvi_curve_sum_set_powers(&w->dense_u, curve, true, curve->p_degree, 1, at, -1, start);
+    tvi_series_sum_set_powers(&w->dense_q, curve, false, curve->q_degree, 1, at, -1, start);
+    tvi_series_sum_set_powers(&w->dense_u, curve, true, curve->p_degree, 1, at, -1, start);
     compute_increments(w, &w->dense_q, &w->dense_u, theta, dq, dp);
 }
 
@@ -221,7 +222,7 @@ static void compute_dense_output(void *self, double theta, double dq[], double d
 static tvi_jacobians choose_jacobians(const tvi_system *system, const tvi_options *options)
 {
     const bool has_corrections =
-        tvi_find_method(options)->curve.equations.upper != TVI_NO_SUM && options->passes != TVI_PREDICT_ONLY;
+        tvi_find_method(options)->curve.equations.upper_sum != TVI_NO_SUM && options->passes != TVI_PREDICT_ONLY;
     return has_corrections ? tvi_curve_choose_jacobians(system) : TVI_NO_JACOBIANS;
 }
 
@@ -245,17 +246,17 @@ static void *allocate(tvi_arena *arena, const tvi_system *system, const tvi_opti
     tvi_curve_allocate(&c->curve, arena, system, shape.order_count - 1, jacobians);
     c->curve.q_degree = options->degree;
     c->curve.p_degree = shape.p_degree;
-    for (int i = TVI_NO_SUM + 1; i < TVI_END_SUMS; i++) c->ends[i] = tvi_curve_sum_allocate(&c->curve, arena);
-    tvi_curve_sum *const sums[] = {&c->p_size_sum, &w.q_start_rise, &w.q_at_centre, &w.v_at_centre,
-                                   &w.v_at_end,    &w.dense_q,      &w.dense_u};
-    for (size_t i = 0; i < sizeof sums / sizeof *sums; i++) *sums[i] = tvi_curve_sum_allocate(&c->curve, arena);
+    for (int i = TVI_NO_SUM + 1; i < TVI_END_SUMS; i++) c->ends[i] = tvi_series_sum_allocate(&c->curve, arena);
+    tvi_series_sum *const sums[] = {&c->p_size_sum, &w.q_start_rise, &w.q_at_centre, &w.v_at_centre,
+                                    &w.v_at_end,    &w.dense_q,      &w.dense_u};
+    for (size_t i = 0; i < sizeof sums / sizeof *sums; i++) *sums[i] = tvi_series_sum_allocate(&c->curve, arena);
     if (system->form == TVI_LAGRANGIAN) {
         tvi_legendre_allocate(&w.legendre, arena, system);
         w.velocity_guess = tvi_arena_allocate_copied(arena, n * sizeof *w.velocity_guess);
     }
     w.z = tvi_arena_allocate_doubles(arena, 2 * n);
     w.scratch = tvi_arena_allocate_doubles(arena, n);
-    if (definition->equations.upper == TVI_NO_SUM) tvi_taylor_allocate(&w, arena);
+    if (definition->equations.upper_sum == TVI_NO_SUM) tvi_taylor_allocate(&w, arena);
     if (w.has_corrections) {
         tvi_arena_allocate_each(arena, n,
                                 (double **[]){&c->p_size, &c->start_correction_q, &c->start_correction_p,
@@ -283,25 +284,25 @@ static void set_tables(void *self)
     double weight[TVI_MAX_DEGREE + 2], end_weight[TVI_MAX_DEGREE + 2];
     tvi_curve_fill_tables(curve);
     tvi_curve_set_degrees(curve, curve->q_degree, curve->p_degree);
-    if (w->refinement.high_weight) {
+    if (w->increment_refinement.high_weight) {
         tvi_defect_set_tables(&w->defect, curve);
-        tvi_refine_set_tables(&w->refinement, curve);
+        tvi_refine_set_tables(&w->increment_refinement, curve);
     }
     for (int i = 0; i < 4; i++) {
-        tvi_curve_sum_set_powers(&c->ends[TVI_Q_START + i], curve, false, curve->q_degree, factor[i][0], to,
-                                 factor[i][1], from);
-        tvi_curve_sum_set_powers(&c->ends[TVI_U_START + i], curve, true, curve->p_degree, factor[i][0], to,
-                                 factor[i][1], from);
+        tvi_series_sum_set_powers(&c->ends[TVI_Q_START + i], curve, false, curve->q_degree, factor[i][0], to,
+                                  factor[i][1], from);
+        tvi_series_sum_set_powers(&c->ends[TVI_U_START + i], curve, true, curve->p_degree, factor[i][0], to,
+                                  factor[i][1], from);
     }
-    tvi_curve_sum_set_powers(&c->p_size_sum, curve, true, curve->p_degree, 1, 1, 0, 0);
-    tvi_curve_sum_set_powers(&w->q_start_rise, curve, false, curve->q_degree, 1, from, -1, 0);
-    tvi_curve_sum_set_powers(&w->q_at_centre, curve, false, curve->highest_order, 1, s, 0, 0);
+    tvi_series_sum_set_powers(&c->p_size_sum, curve, true, curve->p_degree, 1, 1, 0, 0);
+    tvi_series_sum_set_powers(&w->q_start_rise, curve, false, curve->q_degree, 1, from, -1, 0);
+    tvi_series_sum_set_powers(&w->q_at_centre, curve, false, curve->highest_order, 1, s, 0, 0);
     for (int k = 0; k <= curve->highest_order; k++) {
         weight[k] = hamiltonian ? pow(s, k) : k > 0 ? k * pow(s, k - 1) : 0;
         end_weight[k] = k > 0 ? k * pow(to, k - 1) : 0;
     }
-    tvi_curve_sum_set(&w->v_at_centre, curve, hamiltonian, weight);
-    tvi_curve_sum_set(&w->v_at_end, curve, false, end_weight);
+    tvi_series_sum_set(&w->v_at_centre, curve, hamiltonian, weight);
+    tvi_series_sum_set(&w->v_at_end, curve, false, end_weight);
     if (!w->has_corrections) return;
     tvi_action_set_tables(&w->action, w->options, c->span);
     /* A curve of degree 0 is constant, so that passes correct q and p alternately. The contraction of the first pass

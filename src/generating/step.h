@@ -42,11 +42,11 @@ typedef struct {
     tvi_action action;
     tvi_newton newton;
     tvi_legendre_transform legendre;
-    tvi_curve_sum q_start_rise;             /* q- - Q_0 */
-    tvi_curve_sum q_at_centre, v_at_centre; /* of the curve from (q0, p0): q, and tau v or of a Hamiltonian p */
-    tvi_curve_sum v_at_end;                 /* tau v at the end of a Lagrangian's step */
-    tvi_curve_sum dense_q, dense_u;         /* the increments to one point of dense output */
-    double *z;                              /* [2n] the predicted state at the centre */
+    tvi_series_sum q_start_rise;             /* q- - Q_0 */
+    tvi_series_sum q_at_centre, v_at_centre; /* of the curve from (q0, p0): q, and tau v or of a Hamiltonian p */
+    tvi_series_sum v_at_end;                 /* tau v at the end of a Lagrangian's step */
+    tvi_series_sum dense_q, dense_u;         /* the increments to one point of dense output */
+    double *z;                               /* [2n] the predicted state at the centre */
     double *velocity_guess; /* [n] of a Lagrangian: the first guess of the velocity in the next predictor; history */
     double *scratch;        /* [n] */
     /* The step that is being made. */
@@ -57,7 +57,7 @@ typedef struct {
     double *last_step_size;          /* the size of the last such step, or 0; history */
     double tolerance, log_tolerance; /* the tolerance of the last such step, and its logarithm */
     tvi_defect defect;
-    tvi_refinement refinement;
+    tvi_refinement increment_refinement; /* of the increments of a step, for tolerances near roundoff */
 } tvi_curve_work;
 
 /* Predicts z at the centre, by the curve that starts at (q0, p0). */

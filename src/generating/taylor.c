@@ -75,18 +75,19 @@ static void find_terms(const tvi_curve *curve, bool of_U, int degree, end_terms 
     }
 }
 
-/* Returns the term of order q.order - 1 of the derivative of q, k |q_k|. If there is no term q, log_of is not read,
- * since q.order may be beyond its end. */
-static term differentiate(const tvi_curve *curve, term q)
+/* Returns the term of order q.order - 1 of the derivative of q by s, k |q_k|. If there is no term q, log_of is not
+ * read, since q.order may be beyond its end. */
+static term differentiate_term_by_s(const tvi_curve *curve, term q)
 {
     return (term){q.order - 1, q.log_size > -INFINITY ? q.log_size + curve->log_of[q.order] : q.log_size};
 }
 
-static void differentiate_terms(const tvi_curve *curve, const end_terms *q, end_terms *p)
+/* Sets the terms of p of a separable system to those of the derivative of q by s. */
+static void differentiate_terms_by_s(const tvi_curve *curve, const end_terms *q, end_terms *p)
 {
     const int from = q->first[0].order == 0 ? 1 : 0;
-    for (int i = 0; i < SIZED_BY; i++) p->first[i] = differentiate(curve, q->first[i + from]);
-    for (int i = 0; i < LAST; i++) p->last[i] = differentiate(curve, q->last[i]);
+    for (int i = 0; i < SIZED_BY; i++) p->first[i] = differentiate_term_by_s(curve, q->first[i + from]);
+    for (int i = 0; i < LAST; i++) p->last[i] = differentiate_term_by_s(curve, q->last[i]);
 }
 
 /* Returns the logarithm of the largest s at which the term x_k is at most a fraction of the size of the series: s^k
@@ -137,7 +138,7 @@ static double estimate_usable_s(const tvi_curve *curve, double log_tolerance)
     const double log_fraction = log_tolerance - STEP_SIZE_SAFETY;
     end_terms q, p;
     find_terms(curve, false, q_degree, &q);
-    if (curve->system->form == TVI_SEPARABLE) differentiate_terms(curve, &q, &p);
+    if (curve->system->form == TVI_SEPARABLE) differentiate_terms_by_s(curve, &q, &p);
     else find_terms(curve, true, p_degree, &p);
     const double s = exp(tvi_smaller(log_s_of_terms(curve, &q, q_degree, log_fraction),
                                      log_s_of_terms(curve, &p, p_degree, log_fraction)));
@@ -156,7 +157,7 @@ void tvi_taylor_allocate(tvi_curve_work *w, tvi_arena *arena)
 {
     w->last_step_size = tvi_arena_allocate_copied(arena, sizeof(double));
     tvi_defect_allocate(&w->defect, arena, &w->c.curve);
-    tvi_refine_allocate(&w->refinement, arena, &w->c.curve);
+    tvi_refine_allocate(&w->increment_refinement, arena, &w->c.curve);
 }
 
 /* Expands the curve with a time unit tau that is a power of 2 near the usable step, or near the largest step if that is
@@ -222,7 +223,7 @@ tvi_status tvi_taylor_step_to_tolerance(void *self, double tolerance, double *h,
     if (is_chosen && origin->t + *h == origin->t) return TVI_ENOCONV;
     stats->tail = tvi_curve_tail(curve);
     if (tolerance < REFINE_MAX_TOLERANCE && curve->system->form != TVI_LAGRANGIAN)
-        tvi_refine_increments(&w->refinement, curve, *h, origin, increments);
+        tvi_refine_increments(&w->increment_refinement, curve, *h, origin, increments);
     return TVI_OK;
 }
 

@@ -2,6 +2,7 @@
  * composition is symmetric for every method (docs/method.md, section 4). It is the stepper (stepper.h) for options
  * with compose_adjoint. */
 #include "method/method.h"
+#include "system/system.h"
 
 #include <math.h>
 
@@ -11,7 +12,7 @@ typedef struct {
     tvi_options half_options[2]; /* The options of the first half (the method), and of the second half (its adjoint). */
     const tvi_stepper *half_stepper[2];
     void *half_work[2];                   /* The memory of the steppers of both halves. */
-    tvi_run_state middle_state;           /* The state between the two halves. */
+    tvi_run_state state_between_halves;   /* The state at the end of the first half of the step. */
     tvi_increments first_half_increments; /* The increments of the first half of the step. */
 } composed_stepper;
 
@@ -27,7 +28,8 @@ static void *allocate_composed_work(tvi_arena *arena, const tvi_system *system, 
 {
     composed_stepper *allocated = tvi_arena_allocate(arena, sizeof *allocated);
     composed_stepper composition = {.n = system->n, .half_options = {*options, tvi_adjoint_options(options)}};
-    allocate_state_and_increments(arena, system->n, &composition.middle_state, &composition.first_half_increments);
+    allocate_state_and_increments(arena, system->n, &composition.state_between_halves,
+                                  &composition.first_half_increments);
     for (int half = 0; half < 2; half++) {
         composition.half_options[half].compose_adjoint = false;
         /* The steppers of the halves keep pointers to their options, which are therefore copied into the arena. */
@@ -61,7 +63,7 @@ static tvi_status step_both_halves(void *work, double h, const tvi_step_origin *
 {
     composed_stepper *composition = work;
     const tvi_increments *half = &composition->first_half_increments;
-    const tvi_run_state *middle = &composition->middle_state;
+    const tvi_run_state *middle = &composition->state_between_halves;
     const int n = composition->n;
     tvi_status status = composition->half_stepper[0]->step(composition->half_work[0], h / 2, origin, half, stats);
     if (status != TVI_OK) return status;

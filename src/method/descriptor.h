@@ -13,9 +13,9 @@ typedef struct {
     double start_s, end_s, tau_over_h;
 } tvi_step_span;
 
-/* Sums of the curve's coefficients at the ends s- and s+ of the step: those of q, and those of the scaled momentum u =
- * kappa p. STEP is the difference of the two ends, and MEAN is (s+ x- - s- x+)/(s+ - s-), which has no term of order 1;
- * it is the mean of the ends if the curve is expanded at the midpoint. */
+/* Sums of the curve's coefficients that give q, or the scaled momentum u = kappa p, at the ends of the step: x- at s-
+ * (START) and x+ at s+ (END). STEP is the difference x+ - x-, and MEAN is (s+ x- - s- x+)/(s+ - s-), which has no term
+ * of order 1; it is the mean of the ends if the curve is expanded at the midpoint. */
 typedef enum {
     TVI_NO_SUM,
     TVI_Q_START,
@@ -30,13 +30,15 @@ typedef enum {
 } tvi_end_sum;
 
 /* The linear equations A^T x = D_z for the corrections of the ends, with D_z the gradient of the discrete action by the
- * state z at the curve's centre, in defect form. If lower is not 0, A is the Jacobian by z of the sum `upper` above
- * that of `lower`, and (x, y) is the solution. Otherwise A is one n x n half of the Jacobian J of `upper`: by the first
- * half of z, the coordinates, or by the last. The solution takes the place of this half of (x, y), and the other half
- * is what it leaves there, D_z - J^T x. */
+ * state z at the curve's centre, in defect form. If lower_sum is not TVI_NO_SUM, the 2n x 2n matrix A has the n rows of
+ * the Jacobian by z of upper_sum above the n rows of the Jacobian of lower_sum, and (x, y) is the solution. Otherwise A
+ * is n x n: either the first n columns of the Jacobian J of upper_sum, its derivatives by the coordinates in z, or its
+ * last n columns. The solution takes the place of this half of (x, y), and the other half of (x, y) is that half of
+ * D_z - J^T x. */
 typedef struct {
-    tvi_end_sum upper, lower; /* upper 0: there are no equations, and the ends are not corrected */
-    bool has_last_columns;
+    tvi_end_sum upper_sum;        /* TVI_NO_SUM: there are no equations, and the ends are not corrected. */
+    tvi_end_sum lower_sum;        /* TVI_NO_SUM: A is n x n. */
+    bool takes_last_columns_of_J; /* Tells which half of J an n x n matrix A is. */
 } tvi_end_equations;
 
 /* The factors by which the solution (x, y) of the equations enters the corrections of both ends. The corrections of the

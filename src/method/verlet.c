@@ -2,6 +2,7 @@
  * coordinates by a step of these momenta, and the momenta by half a step of the forces at the end. */
 #include "method/list.h"
 #include "method/stepper.h"
+#include "system/system.h"
 
 #include <math.h>
 #include <string.h>
@@ -91,7 +92,7 @@ static double bound_energy_change(const void *work)
     return bound;
 }
 
-static tvi_tapes_of_steps list_used_tapes(const tvi_system *system, const tvi_options *options)
+static tvi_tapes_of_steps list_tapes(const tvi_system *system, const tvi_options *options)
 {
     (void)system, (void)options;
     return (tvi_tapes_of_steps){.value_tape_emission = {.name_prefix = "tvi_values", .value_lane_counts = {1}}};
@@ -101,7 +102,7 @@ static const tvi_stepper stepper = {.allocate = allocate,
                                     .step = step,
                                     .interpolate = interpolate,
                                     .bound_energy_change = bound_energy_change,
-                                    .list_tapes = list_used_tapes};
+                                    .list_tapes = list_tapes};
 
 static const tvi_supported_forms supported_forms = {
     TVI_SUPPORTS_SEPARABLE, "Stormer-Verlet needs a constant diagonal mass and a force without velocities"};

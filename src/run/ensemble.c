@@ -85,7 +85,7 @@ void tvi_ensemble_free(tvi_ensemble *ensemble)
 {
     if (!ensemble) return;
     if (ensemble->is_running) { /* longjmp has left an observer, which holds the lock that other threads wait for. */
-        tvi_parallel_stop(&ensemble->team);
+        tvi_parallel_cancel(&ensemble->team);
         (void)pthread_mutex_unlock(&ensemble->observer_lock);
     }
     tvi_parallel_end(&ensemble->team);

@@ -45,7 +45,7 @@ static void join_threads(tvi_parallel_team *team)
 
 void tvi_parallel_end(tvi_parallel_team *team)
 {
-    tvi_parallel_stop(team);
+    tvi_parallel_cancel(team);
     join_threads(team);
 }
 

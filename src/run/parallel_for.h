@@ -22,9 +22,9 @@ struct tvi_parallel_team {
     tvi_parallel_thread *started;    /* [thread_count] memory of the caller */
     tvi_parallel_body *body;
     void *ctx;
-    int count;       /* the number of calls */
-    atomic_int next; /* the first call that no thread has begun */
-    atomic_bool is_stopped;
+    int count;              /* the number of calls */
+    atomic_int next;        /* the first call that no thread has begun */
+    atomic_bool is_stopped; /* whether the loop was cancelled (tvi_parallel_cancel) */
 };
 
 /* Returns the number of processors that this process may use. */
@@ -34,11 +34,11 @@ int tvi_parallel_thread_count(void);
  * Each thread has its own number, and makes one call at a time. If threads cannot be started, the others make all
  * calls. An exception of C++ that leaves `body` in the caller's thread stops the other threads, and passes on. */
 void tvi_parallel_for(tvi_parallel_team *team, int count, tvi_parallel_body *body, void *ctx);
-/* Lets the threads of a loop begin no further call, and tells whether that was done; a long call of `body` may then
- * return early. */
-static inline void tvi_parallel_stop(tvi_parallel_team *team) { atomic_store(&team->is_stopped, true); }
+/* Cancels a loop: its threads begin no further call of `body`. Does not wait for the calls that run. A long call of
+ * `body` may ask tvi_parallel_is_stopped, and return early. */
+static inline void tvi_parallel_cancel(tvi_parallel_team *team) { atomic_store(&team->is_stopped, true); }
 static inline bool tvi_parallel_is_stopped(const tvi_parallel_team *team) { return atomic_load(&team->is_stopped); }
-/* Stops a loop that was left, and waits for the ends of its threads. */
+/* Cancels a loop that was left, and joins its threads. */
 void tvi_parallel_end(tvi_parallel_team *team);
 
 #endif

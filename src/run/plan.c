@@ -70,7 +70,7 @@ typedef struct {
 
 static void end_observer_call(observer_call *call)
 {
-    if (!call->has_returned) tvi_parallel_stop(call->run->team);
+    if (!call->has_returned) tvi_parallel_cancel(call->run->team);
     (void)pthread_mutex_unlock(call->run->observer_lock);
 }
 

@@ -31,7 +31,8 @@
 #define MOST_PASSES 20 /* found: make suggest */
 /* [1] Distances up to this many times the model of roundoff may be roundoff. */
 #define ROUNDOFF_DOUBT 300 /* found: make suggest */
-/* [pairs] The search ends after so many steps with errors that do not shrink as half of the order says. */
+/* [pairs] The search ends after this many pairs in a row whose error has not shrunk, against that of the pair before,
+ * at least by the power order/2 of the ratio of their steps. */
 #define MOST_STALLS 8 /* found: make suggest */
 /* [steps] The witness has at least this many, and so has a run without a witness. */
 #define LEAST_STEPS 64 /* found: make suggest */
@@ -40,16 +41,17 @@
 /* [steps] The plan's at_step is called once in this many, and after each run. */
 enum { STEPS_BETWEEN_CALLS = 1024, MOST_PAIRS = 1000 };
 
-/* The end of a run. */
+/* The results of a run to t_end, or to the terminal event that ended it. */
 typedef struct {
-    double h;    /* 0: none was made */
-    double *end; /* [2n + 1] q, p, t */
-    long steps;
-    double smallest_step;       /* in time */
-    double size[2];             /* the largest |q_i| and |p_i| */
-    double speed, largest_kick; /* the largest changes of a coordinate by the time, and of a momentum in a step */
-    tvi_status status;
-} whole_run;
+    double h;             /* the step of the run; 0: the run has not been made, or it was made to a tolerance */
+    double *end;          /* [2n + 1] the state at the end: q, p, t */
+    long steps;           /* the number of steps */
+    double smallest_step; /* the least change of the time in a step but the last one */
+    double size[2];       /* the largest |q_i| and |p_i| */
+    double largest_rate;  /* the largest change of a coordinate in a step, divided by the time that the step takes */
+    double largest_kick;  /* the largest change of a momentum in a step */
+    tvi_status status;    /* the status with which the run ended */
+} run_result;
 
 typedef struct {
     const tvi_run_plan *plan;
@@ -60,7 +62,7 @@ typedef struct {
     long steps, most_steps; /* of all runs */
     bool is_stopped;        /* by the budget or by the plan's at_step */
     /* Of the run that is made. */
-    whole_run *run;
+    run_result *run;
     double last_t, last_dt, *last; /* the time and the state [2n] before the step, and the step before it */
     long passes, evaluations;      /* before the run */
     bool has_many_passes;
@@ -78,7 +80,7 @@ static bool is_told_to_stop(const search *s, double t, const double q[], const d
 static int after_step(long step, double t, const double q[], const double p[], void *ctx)
 {
     search *s = ctx;
-    whole_run *run = s->run;
+    run_result *run = s->run;
     const int n = s->n;
     const long passes = s->it->stats.passes;
     const double dt = fabs(t - s->last_t);
@@ -99,7 +101,7 @@ static int after_step(long step, double t, const double q[], const double p[], v
     run->smallest_step = fmin(run->smallest_step, s->last_dt); /* not that of the last one, which ends the run */
     s->last_dt = dt;
     run->largest_kick = fmax(run->largest_kick, kick);
-    if (dt > 0) run->speed = fmax(run->speed, moved / dt);
+    if (dt > 0) run->largest_rate = fmax(run->largest_rate, moved / dt);
     s->steps++;
     if (s->steps >= s->most_steps || (s->steps % STEPS_BETWEEN_CALLS == 0 && is_told_to_stop(s, t, q, p)))
         s->is_stopped = true;
@@ -114,7 +116,7 @@ static double witness_limit(const search *s)
 }
 
 /* Makes a run with steps of h, or for h = 0 to a tolerance, to t_end or to a terminal event. */
-static void make_run(search *s, tvi_integrator *it, double h, double tolerance, whole_run *run)
+static void make_run(search *s, tvi_integrator *it, double h, double tolerance, run_result *run)
 {
     const size_t n = (size_t)s->n;
     const tvi_run_plan plan = {.h = h,
@@ -124,7 +126,7 @@ static void make_run(search *s, tvi_integrator *it, double h, double tolerance, 
                                .largest_step = tolerance > 0 ? witness_limit(s) : 0,
                                .events = s->plan->events,
                                .event_count = s->plan->event_count};
-    *run = (whole_run){.h = h, .end = run->end, .smallest_step = INFINITY};
+    *run = (run_result){.h = h, .end = run->end, .smallest_step = INFINITY};
     s->run = run;
     s->it = it;
     s->passes = it->stats.passes;
@@ -143,7 +145,7 @@ static void make_run(search *s, tvi_integrator *it, double h, double tolerance, 
             s->has_many_passes ? jet_refuse(TVI_ENOCONV, "its steps take more than %d passes", MOST_PASSES) : TVI_OK;
 }
 
-static double distance(const search *s, const whole_run *a, const whole_run *b)
+static double distance(const search *s, const run_result *a, const run_result *b)
 {
     const double *x = a->end, *y = b->end;
     double largest = fabs(x[2 * s->n] - y[2 * s->n]) / fabs(s->duration);
@@ -155,21 +157,21 @@ static double distance(const search *s, const whole_run *a, const whole_run *b)
 /* The error that roundoff makes of a run (docs/roundoff.md): each step rounds its impulse once, with an error that is
  * evenly distributed and adds up to a walk of the velocity, and so to a distance that grows as t^(3/2). It is the path
  * relative to the orbit, times the rounded part of the momentum, times the walk sqrt(steps / 3). */
-static double roundoff_of(const search *s, const whole_run *run)
+static double roundoff_of(const search *s, const run_result *run)
 {
     const double of_step = DBL_EPSILON / sqrt(12) * run->largest_kick / fmax(run->size[1], DBL_MIN),
-                 path = run->speed * fabs(run->end[2 * s->n] - s->start[2 * s->n]) / fmax(run->size[0], DBL_MIN);
+                 path = run->largest_rate * fabs(run->end[2 * s->n] - s->start[2 * s->n]) / fmax(run->size[0], DBL_MIN);
     const double walk = of_step * sqrt((double)run->steps / 3) * fmax(path, 1);
     if (!s->it->system->uses_time) return fmax(walk, DBL_EPSILON);
     const double last = fmax(fabs(s->plan->t_end), fabs(s->start[2 * s->n])); /* the field is that of a rounded time */
-    return fmax(walk, DBL_EPSILON * fmax(last * run->speed / fmax(run->size[0], DBL_MIN), 1));
+    return fmax(walk, DBL_EPSILON * fmax(last * run->largest_rate / fmax(run->size[0], DBL_MIN), 1));
 }
 
 /* ---- The witness ------------------------------------------------------------------------------------------------- */
 
 /* Makes a run of "taylor" to the tolerance. Its status is that of the run: without it there is no witness. The steps of
  * a rescaled system see encounters by themselves, and are far fewer than those of a run in time: it has none. */
-static void make_witness(search *s, const tvi_system *system, double tolerance, whole_run *witness)
+static void make_witness(search *s, const tvi_system *system, double tolerance, run_result *witness)
 {
     tvi_options options;
     tvi_integrator *it = NULL, *const of_search = s->it;
@@ -185,7 +187,7 @@ static void make_witness(search *s, const tvi_system *system, double tolerance, 
  * the witness's own error explains. A step of the witness is wrong by its last term, e^-5 of the tolerance; errors of
  * the energy add up, and those along the orbit as their sum. Where that does not explain the distance, as in chaos, a
  * second witness measures the error of the first. */
-static double error_of_pair(search *s, const tvi_system *system, const whole_run run[], whole_run witness[])
+static double error_of_pair(search *s, const tvi_system *system, const run_result run[], run_result witness[])
 {
     const double ratio = pow(FINER, s->order / 2.0), apart = distance(s, &run[0], &run[1]) / (1 - ratio),
                  steps = (double)witness[0].steps,
@@ -206,7 +208,7 @@ static double error_of_pair(search *s, const tvi_system *system, const whole_run
 /* Returns the first h. Gauss' quadrature of m nodes has the error rho^(-2m), where 4 radius / h = rho - 1/rho, with the
  * distance `radius` of the nearest singularity in time; other methods of order 2m are no better. The steps of the
  * witness are (tolerance / e^5)^(1/N) of the radius. */
-static double first_step(const search *s, const whole_run *witness)
+static double first_step(const search *s, const run_result *witness)
 {
     const double radius = witness->smallest_step * pow(exp(5) / WITNESS_TOLERANCE, 1.0 / WITNESS_ORDER),
                  rho = pow(fmax((double)witness->steps, 1) / (AIM * s->wanted), 1.0 / s->order),
@@ -239,7 +241,7 @@ static double limit_step(const search *s, double h)
 }
 
 /* Makes the pair of runs with h and h/1.5, and without a witness one with h/2.25. */
-static tvi_status make_runs(search *s, double h, bool has_witness, whole_run run[])
+static tvi_status make_runs(search *s, double h, bool has_witness, run_result run[])
 {
     for (int k = 0; k < (has_witness ? 2 : 3); k++, h *= FINER) {
         if (run[k].h != h) make_run(s, s->it, h, 0, &run[k]);
@@ -250,18 +252,18 @@ static tvi_status make_runs(search *s, double h, bool has_witness, whole_run run
 }
 
 /* Returns the next step after one whose error is too large. */
-static double smaller_step(const search *s, double h, double measured, whole_run run[])
+static double smaller_step(const search *s, double h, double measured, run_result run[])
 {
     const double factor = measured > LARGEST_DISTANCE ? FINER : pow(AIM * s->wanted / measured, 1.0 / s->order);
     if (fabs(factor / FINER - 1) > 0.1) return h * fmax(factor, 1.0 / 4);
-    const whole_run coarse = run[0]; /* the finer runs are the next coarse ones */
+    const run_result coarse = run[0]; /* the finer runs are the next coarse ones */
     run[0] = run[1];
     run[1] = run[2];
     run[2] = coarse;
     return run[0].h;
 }
 
-static tvi_status search_step(search *s, const tvi_system *system, whole_run run[], whole_run witness[], double *h,
+static tvi_status search_step(search *s, const tvi_system *system, run_result run[], run_result witness[], double *h,
                               double *error)
 {
     tvi_integrator *const it = s->it;
@@ -354,8 +356,8 @@ tvi_status tvi_measure_step(const tvi_system *system, const tvi_options *options
     const size_t n = (size_t)system->n, state = 2 * n + 1;
     double *memory = calloc(7 * state, sizeof *memory), found_h = 0, found_error = 0;
     if (memory) {
-        whole_run run[] = {{.end = memory}, {.end = memory + state}, {.end = memory + 6 * state}},
-                  witness[] = {{.end = memory + 2 * state}, {.end = memory + 3 * state}};
+        run_result run[] = {{.end = memory}, {.end = memory + state}, {.end = memory + 6 * state}},
+                   witness[] = {{.end = memory + 2 * state}, {.end = memory + 3 * state}};
         search s = {.plan = plan,
                     .n = system->n,
                     .order = it->options.order,

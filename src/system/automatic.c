@@ -80,8 +80,8 @@ static void diagonalise_H_pp(const linearised_motion *motion)
 }
 
 /* Subtracts A^T H_pp^-1 A from W = H_qq for H_pp = diag(d), except for the terms A_ii^2 / d_i of the diagonal.
- * record_trace_D2_term adds these terms without a division. A system with one degree of freedom then needs no division
- * at all. */
+ * record_D2_trace_summand adds these terms without a division. A system with one degree of freedom then needs no
+ * division at all. */
 static void reduce_H_qq_to_W(const linearised_motion *motion)
 {
     const int n = motion->n;
@@ -97,7 +97,7 @@ static void reduce_H_qq_to_W(const linearised_motion *motion)
 }
 
 /* Records the term d_i d_j W_ij^2 of tr D^2. */
-static jet record_trace_D2_term(const linearised_motion *motion, int i, int j)
+static jet record_D2_trace_summand(const linearised_motion *motion, int i, int j)
 {
     const int n = motion->n;
     const jet d = motion->H_pp[i * n + i], W = motion->W[i * n + j];
@@ -106,7 +106,7 @@ static jet record_trace_D2_term(const linearised_motion *motion, int i, int j)
 }
 
 /* Records the term d_i d_j Omega_ij^2 of -tr C^2. */
-static jet record_trace_C2_term(const linearised_motion *motion, int i, int j)
+static jet record_C2_trace_summand(const linearised_motion *motion, int i, int j)
 {
     const int n = motion->n;
     const jet A = motion->A[i * n + j], B = motion->A[j * n + i], d = motion->H_pp[i * n + i],
@@ -115,13 +115,13 @@ static jet record_trace_C2_term(const linearised_motion *motion, int i, int j)
     return jet_mul(jet_mul(d, e), jet_sqr(jet_sub(jet_div(A, d), jet_div(B, e))));
 }
 
-/* Records the sum of term(i, j) over all i and j, for a term that is symmetric in i and j. scratch has n^2 jets. */
+/* Records the sum over all i and j of summand(i, j), which is symmetric in i and j. scratch has n^2 jets. */
 static jet record_sum_over_symmetric_terms(const linearised_motion *motion,
-                                           jet term(const linearised_motion *, int, int), jet scratch[])
+                                           jet summand(const linearised_motion *, int, int), jet scratch[])
 {
     int count = 0;
     for (int i = 0; i < motion->n; i++)
-        for (int j = 0; j <= i; j++) scratch[count++] = jet_mul(i == j ? 1 : 2, term(motion, i, j));
+        for (int j = 0; j <= i; j++) scratch[count++] = jet_mul(i == j ? 1 : 2, summand(motion, i, j));
     return jet_sum(scratch, count);
 }
 
@@ -130,9 +130,9 @@ static jet record_regular_trace_sum(const linearised_motion *motion, jet scratch
 {
     diagonalise_H_pp(motion);
     reduce_H_qq_to_W(motion);
-    const jet square = record_sum_over_symmetric_terms(motion, record_trace_D2_term, scratch);
+    const jet square = record_sum_over_symmetric_terms(motion, record_D2_trace_summand, scratch);
     return jet_add(square,
-                   jet_mul(0.25, jet_sqr(record_sum_over_symmetric_terms(motion, record_trace_C2_term, scratch))));
+                   jet_mul(0.25, jet_sqr(record_sum_over_symmetric_terms(motion, record_C2_trace_summand, scratch))));
 }
 
 /* ---- H_pp is singular everywhere --------------------------------------------------------------------------------- */
@@ -145,9 +145,9 @@ static jet record_matrix_product_entry(int n, const jet x[], const jet y[], int 
     return sum;
 }
 
-/* Records the term P_ij P_ji + Q_ij R_ji of tr (J H'')^4 / 2, a sum over i and j, where (J H'')^2 = [P Q; R P^T] with P
+/* Records P_ij P_ji + Q_ij R_ji, the summand of tr (J H'')^4 / 2 for i and j, where (J H'')^2 is [P Q; R P^T] with P
  * = A^2 - H_pp W, Q = A H_pp - (A H_pp)^T, R = (W A)^T - W A, and W = H_qq. */
-static jet record_trace_JH4_term(const linearised_motion *motion, int i, int j)
+static jet record_JH4_trace_summand(const linearised_motion *motion, int i, int j)
 {
     const int n = motion->n;
     const jet *A = motion->A, *H_pp = motion->H_pp, *W = motion->W;
@@ -173,7 +173,7 @@ jet tvi_record_automatic_time_scale(const tvi_system *base, jet H)
     if (!graph) sum = jet_const(0); /* H depends on no input, and its derivatives are 0. */
     else if (record_second_derivatives(graph, H, &motion, gradient, row))
         sum = base->is_regular ? record_regular_trace_sum(&motion, scratch)
-                               : record_sum_over_symmetric_terms(&motion, record_trace_JH4_term, scratch);
+                               : record_sum_over_symmetric_terms(&motion, record_JH4_trace_summand, scratch);
     free(jets);
     return jet_pow(sum, -0.25);
 }

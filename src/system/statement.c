@@ -17,9 +17,9 @@ typedef struct {
     const tvi_system *copied; /* The system that is recorded once more (tvi_system_copy). */
     const double *mass;
     void *ctx;
-    const tvi_system *base;          /* The system whose lift is created (tvi_system_create_lift). */
-    bool has_canonical_lift_momenta; /* The momenta of the lift are to be conjugate to its coordinates. */
-    tvi_drive_fn *drive;             /* The forces of a driven Hamiltonian or Lagrangian; NULL: there are none. */
+    const tvi_system *base;            /* The system whose lift is created (tvi_system_create_lift). */
+    bool makes_lift_momenta_conjugate; /* The momenta of the lift become conjugate to its coordinates. */
+    tvi_drive_fn *drive;               /* The forces of a driven Hamiltonian or Lagrangian; NULL: there are none. */
     void *drive_ctx;
 } system_statement;
 
@@ -46,7 +46,7 @@ static const char *user_function_name(const system_statement *statement)
 static tvi_status begin_recording(system_recording *recording, int n, const system_statement *statement)
 {
     const bool general = statement->lagrangian || statement->hamiltonian || statement->hamiltonian_factors ||
-                         statement->rates || statement->has_canonical_lift_momenta ||
+                         statement->rates || statement->makes_lift_momenta_conjugate ||
                          (statement->copied && jet_graph_input_count(statement->copied->graph) > n + 1);
     const size_t count = (size_t)n, padded_count = tvi_padded_vector_count(n);
     tvi_system *system = recording->system = calloc(1, sizeof *system);
@@ -300,7 +300,7 @@ static tvi_status record_field_of_tangent_lift(system_recording *recording, cons
     tvi_system *system = recording->system;
     const int parameters = jet_graph_parameter_count(base->graph);
     system->is_regular = base->is_regular;
-    system->has_masses = !statement->has_canonical_lift_momenta;
+    system->has_masses = !statement->makes_lift_momenta_conjugate;
     if (!system->has_masses) system->form = base->form == TVI_SEPARABLE ? TVI_HAMILTONIAN : base->form;
     for (int i = 0; i < system->n; i++) system->mass[i] = base->mass[i % base->n];
     const size_t inputs = (size_t)jet_graph_input_count(base->graph), outputs = (size_t)base->input_count;
@@ -408,7 +408,7 @@ tvi_status tvi_system_create_lift(tvi_system **out, const tvi_system *system, tv
 {
     const bool is_paired = system->form != TVI_SEPARABLE || lift == TVI_LIFT_PAIRED;
     return record_system_and_tapes(out, 2 * system->n,
-                                   &(system_statement){.base = system, .has_canonical_lift_momenta = is_paired});
+                                   &(system_statement){.base = system, .makes_lift_momenta_conjugate = is_paired});
 }
 
 tvi_status tvi_system_create_from_rates(tvi_system **out, int n, tvi_rates_fn *rates, void *ctx)

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-static bool expands(const tvi_descriptor *d) { return d->curve.equations.upper != TVI_NO_SUM; }
+static bool expands(const tvi_descriptor *d) { return d->curve.equations.upper_sum != TVI_NO_SUM; }
 
 /* A member that was forgotten is 0. */
 START_TEST(descriptors_are_whole)

@@ -18,14 +18,14 @@ static double wave(int i) { return cos(1 + 0.7 * i) / (1 + 0.1 * i); }
 typedef struct {
     void *memory;
     tvi_curve curve;
-    tvi_curve_sum q, u;
+    tvi_series_sum q, u;
 } open_curve;
 
 static void lay_out(open_curve *x, tvi_arena *arena, const tvi_system *system, tvi_jacobians jacobians)
 {
     tvi_curve_allocate(&x->curve, arena, system, DEGREE, jacobians);
-    x->q = tvi_curve_sum_allocate(&x->curve, arena);
-    x->u = tvi_curve_sum_allocate(&x->curve, arena);
+    x->q = tvi_series_sum_allocate(&x->curve, arena);
+    x->u = tvi_series_sum_allocate(&x->curve, arena);
 }
 
 /* The curve from the problem's start, and sums of it at s = 0.9 for q and s = -0.8 for u. */
@@ -49,8 +49,8 @@ static open_curve open_at(const test_problem *problem, const tvi_system *system,
     curve_set_tau(&x.curve, tau);
     curve_set_z(&x.curve, z);
     ck_assert_int_eq(tvi_curve_expand(&x.curve, start.t), TVI_OK);
-    tvi_curve_sum_set_powers(&x.q, &x.curve, false, DEGREE, 1, 0.9, -1, 0);
-    tvi_curve_sum_set_powers(&x.u, &x.curve, true, DEGREE - 1, 1, -0.8, 0, 0);
+    tvi_series_sum_set_powers(&x.q, &x.curve, false, DEGREE, 1, 0.9, -1, 0);
+    tvi_series_sum_set_powers(&x.u, &x.curve, true, DEGREE - 1, 1, -0.8, 0, 0);
     if (jacobians == TVI_JACOBIAN_MATRICES) tvi_curve_compute_jacobians(&x.curve);
     return x;
 }
@@ -83,12 +83,12 @@ START_TEST(products_are_those_of_the_matrices)
     check_close(2 * n, got, want);
     tvi_curve_set_dz(&matrices.curve, x);
     tvi_curve_set_dz(&products.curve, x);
-    tvi_curve_sum_along_dz(&matrices.curve, &matrices.u, want);
-    tvi_curve_sum_along_dz(&products.curve, &products.u, got);
+    tvi_series_sum_compute_change(&matrices.curve, &matrices.u, want);
+    tvi_series_sum_compute_change(&products.curve, &products.u, got);
     check_close(n, got, want);
     memset(want, 0, sizeof want);
     for (int second = 0; second < 2; second++) {
-        tvi_curve_sum_jacobian(&matrices.curve, second ? &matrices.u : &matrices.q, matrix);
+        tvi_series_sum_compute_jacobian(&matrices.curve, second ? &matrices.u : &matrices.q, matrix);
         for (int i = 0; i < n; i++)
             for (int j = 0; j < 2 * n; j++) want[j] += matrix[i * 2 * n + j] * x[second * n + i];
     }
