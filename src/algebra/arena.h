@@ -28,7 +28,7 @@ typedef struct tvi_tape_block tvi_tape_block;
  * The history has two parts. The first one is copied before each step, and restored if the step fails. The second one,
  * the uncopied history, is neither copied nor restored: it contains data that is set at the start of a run, and ring
  * buffers that steps fill in turn. The copied history says which buffer is the current one. */
-typedef struct {
+typedef struct tvi_arena {
     char *memory, *history, *uncopied_history;
     /* The numbers of bytes that are allocated so far outside of the history, in the copied history, and in the uncopied
      * history. */

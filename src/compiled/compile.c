@@ -1,5 +1,6 @@
 /* compile.c - Defines tvi_compile, which compiles and loads code for a system, and tvi_compiled_write, which writes the
- * code to a file. The text of the code consists of the sweeps and loops that the steps of a method run. */
+ * code to a file. The text of the code has the sweeps of the tapes that the steps of a method run, and for "galerkin"
+ * generated steps. */
 #include "compiled/compiled.h"
 #include "compiled/files.h"
 #include "method/fingerprint.h"
@@ -57,6 +58,8 @@ static const char *why_name_refused(const char *name)
 
 /* ---- The text ---------------------------------------------------------------------------------------------------- */
 
+/* The texts of compiled/code.h, and of galerkin/generated.h with all that it includes. The Makefile makes them by
+ * ad/embed.awk in build/src/embedded_code.c and build/src/embedded_galerkin.c. */
 extern const char *const tvi_embedded_code[], *const tvi_embedded_galerkin[];
 
 static uint64_t hash_lines(uint64_t hash, const char *const lines[])
@@ -73,14 +76,14 @@ uint64_t tvi_compiled_hash_library_text(void)
     return hash;
 }
 
-/* Writes the definition of the structure tvi_generated_code_table (code.h) without its end: the caller adds the pointer
- * to the loops. */
+/* Writes the definition of the structure tvi_generated_code (code.h) without its end: the caller adds the pointer to
+ * the generated steps. */
 static void emit_code_table_initialiser(jet_text *text, const jet_emission_request *const tapes[],
                                         const tvi_system *stepped_system, const tvi_options *resolved_options)
 {
     jet_text_append(text,
-                    "static const tvi_generated_code_table tvi_generated_code = {\n    "
-                    ".library_hash = UINT64_C(%" PRIu64 "),\n    .system_hash = UINT64_C(%" PRIu64
+                    "static const tvi_generated_code tvi_this_code = {\n    "
+                    ".tvi_text_hash = UINT64_C(%" PRIu64 "),\n    .system_hash = UINT64_C(%" PRIu64
                     "),\n    .options_hash = UINT64_C(%" PRIu64 "),\n    .isa = JET_GENERATED_ISA,\n    .sweeps = {",
                     tvi_compiled_hash_library_text(), tvi_system_fingerprint(stepped_system),
                     tvi_options_fingerprint(resolved_options));
@@ -95,6 +98,8 @@ static void emit_code_table_initialiser(jet_text *text, const jet_emission_reque
 static void write_source_text(jet_text *text, const tvi_system *stepped_system, const tvi_options *resolved_options,
                               const char *function_name)
 {
+    /* list_tapes is the function of that name in generating/step.c, generating/both_ends.c, galerkin/galerkin.c and
+     * method/verlet.c; a composition has list_tapes_of_half of method/composed.c. */
     const tvi_tapes_of_steps uses =
         tvi_choose_stepper(resolved_options, stepped_system)->list_tapes(stepped_system, resolved_options);
     const jet_emission_request *const requests[TVI_CODE_TAPES] = {&uses.series_tape_emission, &uses.value_tape_emission,
@@ -110,14 +115,14 @@ static void write_source_text(jet_text *text, const tvi_system *stepped_system, 
     for (const char *const *line = tvi_embedded_code; *line; line++) jet_text_append(text, "%s", *line);
     for (int i = 0; i < TVI_CODE_TAPES; i++)
         if (requests[i]->name_prefix) jet_emit_tape(text, tapes[i], requests[i]);
-    if (uses.emit_loops) uses.emit_loops(text, stepped_system, resolved_options);
+    if (uses.emit_steps) uses.emit_steps(text, stepped_system, resolved_options);
     emit_code_table_initialiser(text, requests, stepped_system, resolved_options);
-    if (uses.emit_loops) jet_text_append(text, "    .galerkin = &tvi_loops,\n");
+    if (uses.emit_steps) jet_text_append(text, "    .generated_steps = &tvi_generated_steps,\n");
     jet_text_append(text, "};\n");
     jet_text_append(text,
-                    "static const struct tvi_compiled tvi_generated = {&tvi_generated_code, 0, 0};\n#undef %s\n"
+                    "static const struct tvi_compiled tvi_this_compiled = {&tvi_this_code, 0, 0};\n#undef %s\n"
                     "extern const struct tvi_compiled *%s(void);\n"
-                    "const struct tvi_compiled *%s(void)\n{\n    return &tvi_generated;\n}\n",
+                    "const struct tvi_compiled *%s(void)\n{\n    return &tvi_this_compiled;\n}\n",
                     function_name, function_name, function_name);
 }
 

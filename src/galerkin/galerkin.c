@@ -95,8 +95,8 @@ static void set_tables(void *work)
     step->rule = tvi_galerkin_passes_rule(stepper);
     tvi_galerkin_set_form(stepper);
     tvi_galerkin_set_predictor(stepper);
-    stepper->generated_code =
-        step->system->code && stepper->options->passes != TVI_PREDICT_ONLY ? step->system->code->galerkin : NULL;
+    stepper->generated_steps =
+        step->system->code && stepper->options->passes != TVI_PREDICT_ONLY ? step->system->code->generated_steps : NULL;
 }
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
@@ -190,7 +190,7 @@ static galerkin_outcome make_steps(galerkin_stepper *stepper, bool by_code, bool
         outcome.status = predict_first_step(stepper, origin, outcome.is_extrapolated ? &elapsed : NULL, stats);
     if (outcome.status != TVI_OK) return outcome;
     set_node_times(stepper, origin, h);
-    if (by_code) stepper->generated_code->steps(&stepper->step, run, origin, state, &outcome);
+    if (by_code) stepper->generated_steps->make_steps(&stepper->step, run, origin, state, &outcome);
     else galerkin_make_steps(&stepper->step, run, origin, state, &outcome);
     const galerkin_counts *made = outcome.step_count > 0 ? &outcome.counts_of_added : &outcome.counts;
     stats->passes += made->passes;
@@ -216,7 +216,7 @@ static tvi_status make_single_step(void *work, double h, const tvi_step_origin *
         .h = h, .max_steps = 1, .index_of_time_in_q = -1, .last_step_increments_out = *increments};
     const bool iterates = stepper->step.rule.max_passes > 0;
     galerkin_outcome outcome = {.step_count = 0};
-    if (stepper->generated_code) outcome = make_steps(stepper, true, true, &run, origin, NULL, stats);
+    if (stepper->generated_steps) outcome = make_steps(stepper, true, true, &run, origin, NULL, stats);
     if (outcome.step_count < 1) outcome = make_steps(stepper, false, iterates, &run, origin, NULL, stats);
     if (outcome.step_count < 1 && outcome.is_extrapolated)
         outcome = make_steps(stepper, false, false, &run, origin, NULL, stats);
@@ -231,7 +231,7 @@ static long make_steps_of_run(void *work, const tvi_run_request *run, const tvi_
     tvi_stats counted = *stats;
     if (stepper->step.rule.max_passes < 1 || stepper->step.system->uses_time) return 0;
     const galerkin_outcome outcome =
-        make_steps(stepper, stepper->generated_code != NULL, true, run, &origin, state, &counted);
+        make_steps(stepper, stepper->generated_steps != NULL, true, run, &origin, state, &counted);
     if (outcome.step_count < 1) return 0;
     *stats = counted;
     stats->largest_tail = outcome.largest_tail;
@@ -302,7 +302,7 @@ static tvi_tapes_of_steps list_tapes(const tvi_system *system, const tvi_options
 {
     const int lanes = choose_lane_count(options->degree);
     tvi_tapes_of_steps used = {.value_tape_emission = {.name_prefix = "tvi_values", .value_lane_counts = {lanes}},
-                               .emit_loops = emit_steps};
+                               .emit_steps = emit_steps};
     if (system->hessian_values)
         used.hessian_tape_emission = (jet_emission_request){.name_prefix = "tvi_hessian", .value_lane_counts = {lanes}};
     return used;

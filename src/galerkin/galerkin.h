@@ -56,9 +56,9 @@ typedef struct {
     double *tape_block; /* the block of the field's values, whose inputs include the time */
     /* The lists of the step, its field and its passes. */
     int *rate_row, *slot[2], *unknown_of_row, *index_in_block, *row_end, *element_column, *element_slot;
-    tvi_legendre_transform legendre;               /* of a Lagrangian */
-    double *start_velocity;                        /* [n] of a Lagrangian: the velocity at the start of the step */
-    const galerkin_generated_code *generated_code; /* NULL: there is none */
+    tvi_legendre_transform legendre;                 /* of a Lagrangian */
+    double *start_velocity;                          /* [n] of a Lagrangian: the velocity at the start of the step */
+    const galerkin_generated_steps *generated_steps; /* NULL: there is none */
 } galerkin_stepper;
 
 /* ---- galerkin.c -------------------------------------------------------------------------------------------------- */

@@ -15,7 +15,7 @@
 #include "algebra/passes.h"
 #include "algebra/subsystems.h"
 #include "algebra/tail.h"
-#include "method/origin.h"
+#include "method/stepper.h"
 #include "vector.h"
 
 #include <math.h>

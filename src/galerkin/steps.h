@@ -269,9 +269,9 @@ static inline void galerkin_make_steps(galerkin_step *step, const tvi_run_reques
 }
 
 /* The entry point of generated code, which makes steps as galerkin_make_steps does. */
-typedef struct galerkin_generated_code {
-    void (*steps)(const galerkin_step *step, const tvi_run_request *run, const tvi_step_origin *origin,
-                  const tvi_run_state *state, galerkin_outcome *outcome);
-} galerkin_generated_code;
+typedef struct galerkin_generated_steps {
+    void (*make_steps)(const galerkin_step *step, const tvi_run_request *run, const tvi_step_origin *origin,
+                       const tvi_run_state *state, galerkin_outcome *outcome);
+} galerkin_generated_steps;
 
 #endif

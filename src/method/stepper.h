@@ -1,12 +1,120 @@
-/* stepper.h - Declares a stepper: a table of functions that make the steps of a method. Integrators (src/run/) call
- * them. */
+/* stepper.h - Declares a stepper, the table of functions that make the steps of a method: what a step gets (its
+ * origin), what it makes (increments), and the functions. Integrators (src/integrator) call them. Adds increments to
+ * states by compensated summation. Generated steps contain this text, but for the table. */
 #ifndef TVI_SRC_METHOD_STEPPER_H
 #define TVI_SRC_METHOD_STEPPER_H
 
 #include "algebra/passes.h"
+#include "algebra/sizes.h"
 #include "emit.h"
-#include "method/origin.h"
-#include "system/system.h"
+#include "tvi.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+
+/* ---- Steps, and runs of steps ------------------------------------------------------------------------------------ */
+
+/* The origin of a step: the state at its start, with the low-order parts of the compensated sums. The state is (t +
+ * t_low, q + q_low, p + p_low). */
+typedef struct {
+    double t, t_low;
+    const double *q, *q_low, *p, *p_low;
+} tvi_step_origin;
+
+/* A state between steps, for a system in which steps are made (tvi_system.stepped_system) with N degrees of freedom.
+ * q[N] is the independent variable of the steps: the time, or s of a rescaled system. If the user's system has n < N
+ * degrees of freedom, it is rescaled; q[n] is then the time, and p[n] is e = -H. The arrays q_low and p_low are the
+ * low-order parts of the compensated sums. */
+typedef struct {
+    double *q, *q_low; /* [N + 1] coordinates and independent variable, and their low-order parts */
+    double *p, *p_low; /* [N] the momenta, and their low-order parts */
+} tvi_run_state;
+
+/* The increments of a step, in two parts: dq + dq_low and dp + dp_low. The second parts are 0 if the method rounds
+ * its increments to one number. */
+typedef struct {
+    /* The increments of N coordinates and of the time, dq [N + 1], and of N momenta, dp [N], and their low-order
+     * parts. */
+    double *dq, *dp, *dq_low, *dp_low;
+} tvi_increments;
+
+/* Limits of the tail of a step and of the number of its passes. A step within both limits is accepted without a check
+ * of its energy. */
+typedef struct {
+    double max_tail;
+    int max_passes;
+} tvi_unchecked_step_limits;
+
+/* A request to make several steps without checks between them: at most `max_steps` steps of size h, each within
+ * `unchecked_limits`. In a rescaled system the time is the coordinate q[index_of_time_in_q]. It must move in the
+ * direction of h and stay before t_end. In other systems index_of_time_in_q is -1. */
+typedef struct {
+    double h;
+    long max_steps;
+    tvi_unchecked_step_limits unchecked_limits;
+    int index_of_time_in_q;
+    double t_end;
+    /* Where the steps write their increments. Each step overwrites those of the step before, so that the increments of
+     * the last step are left. No stepper writes dq[N], the increment of the independent variable: the caller sets it to
+     * h before the steps, and adding the increments to a state adds h to its time. */
+    tvi_increments last_step_increments_out;
+} tvi_run_request;
+
+/* Returns the least change of the time in a step, which is the roundoff of its low-order part. With smaller changes
+ * a run would never end. */
+static inline double tvi_least_time_change(double t) { return DBL_EPSILON * DBL_EPSILON * fabs(t); }
+
+/* Tells whether the time moves in the direction of h in a step from q, and stays before t_end. */
+static inline bool tvi_step_ends_before_t_end(const tvi_run_request *request, const double q[])
+{
+    if (request->index_of_time_in_q < 0) return true;
+    const double t = q[request->index_of_time_in_q], way = request->h > 0 ? 1 : -1,
+                 dt = way * request->last_step_increments_out.dq[request->index_of_time_in_q];
+    return dt > tvi_least_time_change(t) && dt < way * (request->t_end - t);
+}
+
+/* Returns the rounded sum of a and b, and sets *rest to its exact rounding error (two-sum). */
+static inline double tvi_two_sum(double a, double b, double *rest)
+{
+    const double sum = a + b, part = sum - a;
+    *rest = (a - (sum - part)) + (b - part);
+    return sum;
+}
+
+/* Adds (increment, increment_low) to (x, *low). Returns the new x, and updates *low. The error is of the size of the
+ * roundoff of *low. */
+static inline double tvi_add_compensated(double x, double *low, double increment, double increment_low)
+{
+    double rest;
+    const double small = tvi_two_sum(*low, increment, &rest), sum = tvi_two_sum(x, small, low);
+    *low += rest + increment_low;
+    return sum;
+}
+
+/* Adds the increments of all components by compensated summation, as tvi_add_compensated does. Returns 0 if all sums
+ * are finite, and otherwise another number. */
+static inline uint64_t tvi_add_all_compensated(int count, double *restrict x, double *restrict low,
+                                               const double *restrict increment, const double *restrict increment_low)
+{
+    uint64_t any = 0;
+    for (int i = 0; i < count; i++) {
+        const double sum = tvi_add_compensated(x[i], &low[i], increment[i], increment_low[i]);
+        any |= tvi_nonzero_if_nonfinite(sum);
+        x[i] = sum;
+    }
+    return any;
+}
+
+/* The number of points at which a search for events samples a step. */
+enum { TVI_SAMPLES = 8 };
+/* The positions theta of the points: t0 + theta h is the time (integrator/dense.c). */
+extern const double tvi_sample_theta[TVI_SAMPLES];
+
+#ifndef JET_EMITTED
+/* ---- The table of functions. Generated steps, which call none of them, do not contain it. ------------------------ */
+
+typedef struct tvi_arena tvi_arena; /* algebra/arena.h */
 
 /* Returns the rule that decides when the passes of a step end, with the limits of passes from the options. A tolerance
  * other than 0 replaces rule->correction_goal, and is measured as the corrections are, absolutely or relatively. */
@@ -34,12 +142,19 @@ typedef struct {
     /* Requests for the code of four tapes: the series of the field, its values, the gradient of r.H_p for a vector r
      * (Hamiltonian), and the second derivatives. */
     jet_emission_request series_tape_emission, value_tape_emission, r_dot_Hp_tape_emission, hessian_tape_emission;
-    /* Writes the definition of the generated steps of "galerkin", which has the name tvi_loops, after the sweeps of the
-     * tapes. NULL: the method has none. */
-    void (*emit_loops)(jet_text *text, const tvi_system *system, const tvi_options *options);
+    /* Writes the generated steps of a method after the sweeps of the tapes: the text defines the structure
+     * tvi_generated_steps (galerkin/steps.h). "galerkin" has emit_steps of galerkin/galerkin.c; NULL: the method has no
+     * generated steps. */
+    void (*emit_steps)(jet_text *text, const tvi_system *system, const tvi_options *options);
 } tvi_tapes_of_steps;
 
-/* The functions that step one integrator. */
+/* The functions that make the steps of one integrator. tvi_choose_stepper of method.c chooses the table by the method's
+ * descriptor (descriptor.h). Each table stands at the end of its file:
+ *     tvi_stepper_galerkin                       galerkin/galerkin.c
+ *     tvi_stepper_curve, tvi_stepper_taylor      generating/step.c
+ *     tvi_stepper_both_ends                      generating/both_ends.c
+ *     tvi_stepper_composed                       method/composed.c
+ * "stormer-verlet" has a table of its own in method/verlet.c. */
 typedef struct {
     /* Allocates the stepper's memory, the `work` of the functions below, in the arena. Returns NULL as long as the
      * arena only measures. Everything that a step leaves to the next one is allocated in the arena's history. The
@@ -48,8 +163,9 @@ typedef struct {
     /* Sets the tables in the stepper's memory, after the memory of the arena is obtained. NULL: there are no
      * tables. */
     void (*set_tables)(void *work);
-    /* Computes the increments over the step h as sums of small quantities, never as the difference of the ends.
-     * Their low-order parts are 0 beforehand. On failure the increments are undefined. */
+    /* Computes the increments of q and p over the step h as sums of small quantities, never as the difference of the
+     * ends. Their low-order parts are 0 beforehand. On failure the increments are undefined. The caller adds them to
+     * the state, and h to the time. */
     tvi_status (*step)(void *work, double h, const tvi_step_origin *origin, const tvi_increments *increments,
                        tvi_stats *stats);
     /* Makes several steps from `state`, and updates it. Each step has the same result as `step`. The function ends
@@ -58,7 +174,7 @@ typedef struct {
     long (*run)(void *work, const tvi_run_request *request, const tvi_run_state *state, tvi_stats *stats);
     /* Computes dq, dp [n]: the state at t0 + theta h inside the last step, minus the state at its start. */
     void (*interpolate)(void *work, double theta, double dq[], double dp[]);
-    /* Computes the states q, p [n][TVI_SAMPLES] at the TVI_SAMPLES times t0 + theta h of tvi_sample_theta (origin.h)
+    /* Computes the states q, p [n][TVI_SAMPLES] at the TVI_SAMPLES times t0 + theta h of tvi_sample_theta
      * from the state at the start, for the components used[0] of q and used[1] of p. NULL: `interpolate` is called for
      * each time. */
     void (*sample)(void *work, const tvi_component_range used[2], const double q_start[], const double p_start[],
@@ -84,4 +200,5 @@ typedef struct {
 extern const tvi_stepper tvi_stepper_curve, tvi_stepper_both_ends, tvi_stepper_taylor, tvi_stepper_composed,
     tvi_stepper_galerkin;
 
+#endif
 #endif

@@ -73,7 +73,7 @@ struct tvi_system {
     /* -1 if a Lagrangian became separable, since the energy tape then gives -V; otherwise 1. */
     double energy_sign;
     /* Generated code for the tapes. NULL: the interpreter runs the tapes. */
-    const struct tvi_generated_code_table *code;
+    const struct tvi_generated_code *code;
     /* The number of inputs of the energy tape without t: n, or 2n. In a separable system with 2n inputs, V is the
      * energy at v = 0 or p = 0, up to its sign. */
     int energy_input_count;

@@ -77,5 +77,7 @@ void tvi_galerkin_emit_steps(jet_text *text, const galerkin_stepper *stepper)
     emit_hessian(text, stepper);
     emit_lists(text, stepper);
     for (const char *const *line = tvi_embedded_galerkin; *line; line++) jet_text_append(text, "%s", *line);
-    jet_text_append(text, "static const galerkin_generated_code tvi_loops = {galerkin_make_generated_steps};\n");
+    jet_text_append(
+        text,
+        "static const galerkin_generated_steps tvi_generated_steps = {.make_steps = galerkin_make_generated_steps};\n");
 }
