@@ -1,5 +1,5 @@
-/* forms.c - Prepares the three forms of the equations of a Galerkin step (steps.h), and predicts their unknowns from
- * the start of a step: memory, lists of the rows that have the rates, and of the second derivatives that are not 0. */
+/* forms.c - Prepares the three forms of the equations of a Galerkin step (steps.h): memory, and lists of the rows that
+ * have the rates and of the second derivatives that are not 0. galerkin.c calls it when a stepper is made. */
 #include "galerkin/galerkin.h"
 
 #include <string.h>
@@ -14,47 +14,47 @@ static galerkin_form form_of(const tvi_system *system)
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
 /* The nodes whose unknowns are the rates, which begin with row `first` of nodes.x. */
-static galerkin_nodes allocate_rates(galerkin_stepper *stepper, tvi_arena *arena, int first)
+static galerkin_nodes allocate_rates(galerkin_work *work, tvi_arena *arena, int first)
 {
-    galerkin_nodes rates = stepper->step.nodes;
+    galerkin_nodes rates = work->step.nodes;
     const size_t numbers = (size_t)rates.unknown_count * (size_t)rates.lane_count;
     rates.x = rates.x ? rates.x + first * rates.lane_count : NULL;
-    rates.drift = rates.drift_low = tvi_arena_allocate_doubles(arena, numbers);
-    rates.scale = stepper->rate_scale;
+    rates.free_motion = rates.free_motion_low = tvi_arena_allocate_doubles(arena, numbers);
+    rates.scale = work->rate_scale;
     return rates;
 }
 
-static lagrangian_pass *allocate_lagrangian(galerkin_stepper *stepper, tvi_arena *arena)
+static lagrangian_pass *allocate_lagrangian(galerkin_work *work, tvi_arena *arena)
 {
-    const int n = stepper->n;
-    const size_t half = (size_t)n * (size_t)stepper->step.nodes.lane_count;
+    const int n = work->n;
+    const size_t half = (size_t)n * (size_t)work->step.nodes.lane_count;
     lagrangian_pass *taken = tvi_arena_allocate(arena, sizeof *taken);
     lagrangian_pass pass = {.L_vv.n = n};
-    stepper->probe.row_count = 3 * n;
-    stepper->step.nodes.x = tvi_arena_allocate_doubles(arena, 5 * half);
+    work->probe.row_count = 3 * n;
+    work->step.nodes.x = tvi_arena_allocate_doubles(arena, 5 * half);
     tvi_arena_allocate_each(
         arena, half,
-        (double **[]){&pass.q_moved, &pass.start_minus_q[0], &pass.start_minus_q[1], &pass.L_vv.column, NULL});
+        (double **[]){&pass.q_moved, &pass.start_minus_q[0], &pass.start_minus_q[1], &pass.L_vv.scratch_column, NULL});
     pass.gradient = tvi_arena_allocate_doubles(arena, 2 * half);
     pass.displacement = tvi_arena_allocate_doubles(arena, 2 * half);
     pass.L_vv.matrix = tvi_arena_allocate_doubles(arena, (size_t)n * half);
     pass.L_vv.inverse = tvi_arena_allocate_doubles(arena, (size_t)n * half);
-    pass.rates = allocate_rates(stepper, arena, 2 * n);
-    stepper->start_velocity = tvi_arena_allocate_doubles(arena, (size_t)n);
-    tvi_legendre_allocate(&stepper->legendre, arena, stepper->step.system);
+    pass.rates = allocate_rates(work, arena, 2 * n);
+    work->start_velocity = tvi_arena_allocate_doubles(arena, (size_t)n);
+    tvi_legendre_allocate(&work->legendre, arena, work->step.system);
     if (taken) *taken = pass;
     return taken;
 }
 
-static hamiltonian_pass *allocate_hamiltonian(galerkin_stepper *stepper, tvi_arena *arena)
+static hamiltonian_pass *allocate_hamiltonian(galerkin_work *work, tvi_arena *arena)
 {
-    const size_t unknowns = (size_t)stepper->step.nodes.unknown_count, lanes = (size_t)stepper->step.nodes.lane_count,
+    const size_t unknowns = (size_t)work->step.nodes.unknown_count, lanes = (size_t)work->step.nodes.lane_count,
                  width = SINGLE_LANES(lanes);
     hamiltonian_pass *taken = tvi_arena_allocate(arena, sizeof *taken);
     hamiltonian_pass pass = {.rows = 0};
-    stepper->probe.row_count = stepper->step.nodes.unknown_count;
-    stepper->step.nodes.x = tvi_arena_allocate_doubles(arena, 2 * unknowns * lanes);
-    pass.rates = allocate_rates(stepper, arena, stepper->step.nodes.unknown_count);
+    work->probe.row_count = work->step.nodes.unknown_count;
+    work->step.nodes.x = tvi_arena_allocate_doubles(arena, 2 * unknowns * lanes);
+    pass.rates = allocate_rates(work, arena, work->step.nodes.unknown_count);
     pass.nu = tvi_arena_allocate(arena, lanes * width * sizeof *pass.nu);
     pass.packed = tvi_arena_allocate(arena, unknowns * unknowns * width * sizeof *pass.packed);
     pass.size = tvi_arena_allocate_doubles(arena, unknowns);
@@ -62,48 +62,48 @@ static hamiltonian_pass *allocate_hamiltonian(galerkin_stepper *stepper, tvi_are
     float **const vectors[] = {&pass.dx, &pass.dx_sum, &pass.dL, &pass.dL_sum};
     for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_allocate(arena, unknowns * width * sizeof(float));
     pass.added_impulse = tvi_arena_allocate_doubles(arena, unknowns * lanes);
-    stepper->unknown_of_row = tvi_arena_allocate(arena, unknowns * sizeof(int));
-    stepper->index_in_block = tvi_arena_allocate(arena, unknowns * unknowns * sizeof(int));
+    work->unknown_of_row = tvi_arena_allocate(arena, unknowns * sizeof(int));
+    work->index_in_block = tvi_arena_allocate(arena, unknowns * unknowns * sizeof(int));
     if (taken) *taken = pass;
     return taken;
 }
 
 /* The blocks and lists of a field with second derivatives. */
-static void allocate_hessian(galerkin_stepper *stepper, tvi_arena *arena)
+static void allocate_hessian(galerkin_work *work, tvi_arena *arena)
 {
-    const tvi_system *system = stepper->step.system;
-    galerkin_field *field = &stepper->step.field;
-    const int lanes = stepper->step.nodes.lane_count;
-    const size_t unknowns = (size_t)stepper->step.nodes.unknown_count;
+    const tvi_system *system = work->step.system;
+    galerkin_field_at_nodes *field = &work->step.field;
+    const int lanes = work->step.nodes.lane_count;
+    const size_t unknowns = (size_t)work->step.nodes.unknown_count;
     field->block[false] = tvi_arena_allocate_block(arena, system->field_values, 1, lanes, 0);
     field->block[true] = tvi_arena_allocate_block(arena, system->hessian_values, 1, lanes, (size_t)lanes);
-    stepper->tape_block = field->block[false];
-    stepper->predicted_by_impulse = tvi_arena_allocate_doubles(arena, (size_t)lanes * (size_t)lanes);
-    stepper->element_column = tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entry_count * sizeof(int));
-    stepper->element_slot = tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entry_count * sizeof(int));
-    stepper->row_end = tvi_arena_allocate(arena, 2 * (size_t)system->n * sizeof *stepper->row_end);
-    for (int i = 0; i < 2; i++) stepper->slot[i] = tvi_arena_allocate(arena, unknowns * sizeof(int));
+    work->tape_block = field->block[false];
+    work->predicted_by_impulse = tvi_arena_allocate_doubles(arena, (size_t)lanes * (size_t)lanes);
+    work->element_column = tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entry_count * sizeof(int));
+    work->element_slot = tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entry_count * sizeof(int));
+    work->row_end = tvi_arena_allocate(arena, 2 * (size_t)system->n * sizeof *work->row_end);
+    for (int i = 0; i < 2; i++) work->slot[i] = tvi_arena_allocate(arena, unknowns * sizeof(int));
 }
 
-void tvi_galerkin_allocate_form(galerkin_stepper *stepper, tvi_arena *arena)
+void tvi_galerkin_allocate_form(galerkin_work *work, tvi_arena *arena)
 {
-    galerkin_step *step = &stepper->step;
+    galerkin_step *step = &work->step;
     const tvi_system *system = step->system;
     step->form = form_of(system);
-    step->field = (galerkin_field){.n = system->n,
-                                   .lane_count = step->nodes.lane_count,
-                                   .input_count = system->hessian_values ? system->hessian_values->input_count
-                                                                         : system->field_values->input_count,
-                                   .tape = {system->field_values, system->hessian_values}};
-    if (step->form == GALERKIN_LAGRANGIAN) step->lagrangian = allocate_lagrangian(stepper, arena);
-    else if (step->form == GALERKIN_HAMILTONIAN) step->hamiltonian = allocate_hamiltonian(stepper, arena);
+    step->field = (galerkin_field_at_nodes){.n = system->n,
+                                            .lane_count = step->nodes.lane_count,
+                                            .input_count = system->hessian_values ? system->hessian_values->input_count
+                                                                                  : system->field_values->input_count,
+                                            .tape = {system->field_values, system->hessian_values}};
+    if (step->form == GALERKIN_LAGRANGIAN) step->lagrangian = allocate_lagrangian(work, arena);
+    else if (step->form == GALERKIN_HAMILTONIAN) step->hamiltonian = allocate_hamiltonian(work, arena);
     if (step->form != GALERKIN_PLAIN) {
-        allocate_hessian(stepper, arena);
+        allocate_hessian(work, arena);
         return;
     }
-    stepper->probe.row_count = step->nodes.unknown_count;
+    work->probe.row_count = step->nodes.unknown_count;
     step->nodes.x = tvi_arena_allocate_block(arena, system->field_values, 1, step->nodes.lane_count, 0);
-    stepper->tape_block = step->field.block[false] = step->nodes.x;
+    work->tape_block = step->field.block[false] = step->nodes.x;
 }
 
 /* ---- Lists ------------------------------------------------------------------------------------------------------- */
@@ -139,100 +139,96 @@ static void list_hessian(const tvi_system *system, int *column, int *element_slo
 }
 
 /* The component of the gradient (K_q, K_p) that is the rate of an unknown, up to its sign. */
-static int rate_of(const galerkin_stepper *stepper, int unknown)
+static int rate_of(const galerkin_work *work, int unknown)
 {
-    return unknown < stepper->n ? unknown + stepper->n : unknown - stepper->n;
+    return unknown < work->n ? unknown + work->n : unknown - work->n;
 }
 
-static int row_begin(const galerkin_stepper *stepper, int row) { return row > 0 ? stepper->row_end[row - 1] : 0; }
+static int row_begin(const galerkin_work *work, int row) { return row > 0 ? work->row_end[row - 1] : 0; }
 
-static bool has_hessian_row(const galerkin_stepper *stepper, int row)
-{
-    return row_begin(stepper, row) < stepper->row_end[row];
-}
+static bool has_hessian_row(const galerkin_work *work, int row) { return row_begin(work, row) < work->row_end[row]; }
 
 /* Returns whether an unknown takes part in the inner iterations: its rate depends on unknowns, so that it moves, and
  * some rate depends on it. A cyclic coordinate and its momentum take no part: no rate depends on the coordinate, and
  * the momentum is constant. */
-static bool is_inner(const galerkin_stepper *stepper, int unknown)
+static bool takes_part_in_inner_iterations(const galerkin_work *work, int unknown)
 {
-    return has_hessian_row(stepper, unknown) && has_hessian_row(stepper, rate_of(stepper, unknown));
+    return has_hessian_row(work, unknown) && has_hessian_row(work, rate_of(work, unknown));
 }
 
 /* Appends to unknown_of_row, which has `count` elements, the unknowns whose rates depend on unknowns, and that take
  * part in the inner iterations or not. Returns the new length. */
-static int append_rows(galerkin_stepper *stepper, bool inner, int count)
+static int append_rows(galerkin_work *work, bool inner, int count)
 {
-    for (int u = 0; u < stepper->step.nodes.unknown_count; u++)
-        if (has_hessian_row(stepper, rate_of(stepper, u)) && is_inner(stepper, u) == inner)
-            stepper->unknown_of_row[count++] = u;
+    for (int u = 0; u < work->step.nodes.unknown_count; u++)
+        if (has_hessian_row(work, rate_of(work, u)) && takes_part_in_inner_iterations(work, u) == inner)
+            work->unknown_of_row[count++] = u;
     return count;
 }
 
 /* Returns where the block has the second derivative (row, column), which may be its last row, of zeros. */
-static int index_of_element(const galerkin_stepper *stepper, int row, int column)
+static int index_of_element(const galerkin_work *work, int row, int column)
 {
-    int slot = stepper->step.field.tape[true]->slot_count;
-    for (int k = row_begin(stepper, row); k < stepper->row_end[row]; k++)
-        if (stepper->element_column[k] == column) slot = stepper->element_slot[k];
-    return slot * stepper->step.nodes.lane_count;
+    int slot = work->step.field.tape[true]->slot_count;
+    for (int k = row_begin(work, row); k < work->row_end[row]; k++)
+        if (work->element_column[k] == column) slot = work->element_slot[k];
+    return slot * work->step.nodes.lane_count;
 }
 
-static void set_hamiltonian(galerkin_stepper *stepper)
+static void set_hamiltonian(galerkin_work *work)
 {
-    hamiltonian_pass *pass = stepper->step.hamiltonian;
-    const int lanes = stepper->step.nodes.lane_count;
-    int *index = stepper->index_in_block;
-    for (int u = 0; u < stepper->step.nodes.unknown_count; u++)
-        for (int i = 0; i < 2; i++) stepper->slot[i][u] = stepper->step.field.tape[i]->output_slot[rate_of(stepper, u)];
-    pass->columns = append_rows(stepper, true, 0);
-    pass->rows = append_rows(stepper, false, pass->columns);
-    pass->unknown_of_row = stepper->unknown_of_row;
-    pass->index_in_block = stepper->index_in_block;
+    hamiltonian_pass *pass = work->step.hamiltonian;
+    const int lanes = work->step.nodes.lane_count;
+    int *index = work->index_in_block;
+    for (int u = 0; u < work->step.nodes.unknown_count; u++)
+        for (int i = 0; i < 2; i++) work->slot[i][u] = work->step.field.tape[i]->output_slot[rate_of(work, u)];
+    pass->columns = append_rows(work, true, 0);
+    pass->rows = append_rows(work, false, pass->columns);
+    pass->unknown_of_row = work->unknown_of_row;
+    pass->index_in_block = work->index_in_block;
     for (int first = 0; first < pass->rows; first += ROWS_PER_GROUP)
         for (int column = 0; column < pass->columns; column++)
             for (int i = first; i < first + hamiltonian_group(pass, first); i++)
-                *index++ =
-                    index_of_element(stepper, rate_of(stepper, pass->unknown_of_row[i]), pass->unknown_of_row[column]);
+                *index++ = index_of_element(work, rate_of(work, pass->unknown_of_row[i]), pass->unknown_of_row[column]);
     for (int j = 0; j < lanes; j++)
         for (int i = 0; i < lanes; i++)
-            pass->nu[j * SINGLE_LANES(lanes) + i] = (float)stepper->step.nodes.nu[j * lanes + i];
+            pass->nu[j * SINGLE_LANES(lanes) + i] = (float)work->step.nodes.nu[j * lanes + i];
 }
 
-static void set_lagrangian(galerkin_stepper *stepper)
+static void set_lagrangian(galerkin_work *work)
 {
-    lagrangian_pass *pass = stepper->step.lagrangian;
-    for (int u = 0; u < stepper->step.nodes.unknown_count; u++)
-        for (int i = 0; i < 2; i++) stepper->slot[i][u] = stepper->step.field.tape[i]->output_slot[u];
-    pass->column = stepper->element_column;
-    pass->slot = stepper->element_slot;
-    pass->row_end = stepper->row_end;
+    lagrangian_pass *pass = work->step.lagrangian;
+    for (int u = 0; u < work->step.nodes.unknown_count; u++)
+        for (int i = 0; i < 2; i++) work->slot[i][u] = work->step.field.tape[i]->output_slot[u];
+    pass->column = work->element_column;
+    pass->slot = work->element_slot;
+    pass->row_end = work->row_end;
     pass->invert_by_exchanges = tvi_galerkin_invert_by_exchanges;
     pass->by_exchanges = &pass->L_vv;
-    pass->L_vv_factor = &stepper->legendre.jacobian_factor;
+    pass->L_vv_factor = &work->legendre.jacobian_factor;
 }
 
-void tvi_galerkin_set_form(galerkin_stepper *stepper)
+void tvi_galerkin_set_form(galerkin_work *work)
 {
-    galerkin_step *step = &stepper->step;
+    galerkin_step *step = &work->step;
     const tvi_system *system = step->system;
     const int unknowns = step->nodes.unknown_count, lanes = step->nodes.lane_count;
     if (step->form == GALERKIN_PLAIN) {
         /* The outputs of the tape are F for a separable system, (H_q, H_p) otherwise. */
         for (int u = 0; u < unknowns; u++)
-            stepper->rate_row[u] = system->field_values->output_slot[step->is_separable ? u : rate_of(stepper, u)];
-        stepper->predicted_by_impulse = stepper->coefficients.nu;
+            work->rate_row[u] = system->field_values->output_slot[step->is_separable ? u : rate_of(work, u)];
+        work->predicted_by_impulse = work->coefficients.nu;
         return;
     }
-    list_hessian(system, stepper->element_column, stepper->element_slot, stepper->row_end);
-    for (int u = 0; u < unknowns; u++) stepper->rate_row[u] = unknowns + u;
+    list_hessian(system, work->element_column, work->element_slot, work->row_end);
+    for (int u = 0; u < unknowns; u++) work->rate_row[u] = unknowns + u;
     for (int i = 0; i < lanes; i++) {
         const int node = i < step->nodes.node_count ? i : step->nodes.node_count - 1;
-        stepper->predicted_by_impulse[node * lanes + i] = 1 / stepper->coefficients.b[node];
+        work->predicted_by_impulse[node * lanes + i] = 1 / work->coefficients.b[node];
     }
-    for (int i = 0; i < 2; i++) step->field.slot[i] = stepper->slot[i];
-    if (step->form == GALERKIN_LAGRANGIAN) set_lagrangian(stepper);
-    else set_hamiltonian(stepper);
+    for (int i = 0; i < 2; i++) step->field.slot[i] = work->slot[i];
+    if (step->form == GALERKIN_LAGRANGIAN) set_lagrangian(work);
+    else set_hamiltonian(work);
     galerkin_nodes *rates = step->lagrangian ? &step->lagrangian->rates : &step->hamiltonian->rates;
     rates->nu = step->nodes.nu;
 }
@@ -241,7 +237,7 @@ bool tvi_galerkin_invert_by_exchanges(const node_matrix *matrix, int lanes, void
 {
     tvi_lu_factor *factor = lu_factor;
     const int n = matrix->n;
-    double *x = matrix->column;
+    double *x = matrix->scratch_column;
     for (int lane = 0; lane < lanes; lane++) {
         for (int i = 0; i < n * n; i++) factor->lu[i] = matrix->matrix[i * lanes + lane];
         if (tvi_factor_compute(factor) != TVI_OK) return false;
@@ -252,45 +248,4 @@ bool tvi_galerkin_invert_by_exchanges(const node_matrix *matrix, int lanes, void
         }
     }
     return true;
-}
-
-/* ---- The prediction from the start of a step --------------------------------------------------------------------- */
-
-static void fill_rows(const galerkin_nodes *nodes, int first, int count, const double value[])
-{
-    for (int i = 0; i < count; i++)
-        for (int lane = 0; lane < nodes->lane_count; lane++)
-            nodes->x[(first + i) * nodes->lane_count + lane] = value[i];
-}
-
-/* All unknowns stay as they are at the start, where the field gives the rates. The velocity of a Lagrangian is that of
- * the Legendre transform there, whose iteration begins with 0. Then they move by these rates. */
-tvi_status tvi_galerkin_predict_from_start(galerkin_stepper *stepper, const tvi_step_origin *origin)
-{
-    const galerkin_step *step = &stepper->step;
-    const galerkin_nodes *nodes = &step->nodes;
-    const int n = nodes->n, lanes = nodes->lane_count;
-    const double *second = nodes->x + n * lanes, *block;
-    fill_rows(nodes, 0, nodes->unknown_count, nodes->start);
-    if (step->form == GALERKIN_PLAIN) {
-        if (!galerkin_sweep(&step->field, false)) return TVI_EDOMAIN;
-        tvi_galerkin_move(step);
-        return TVI_OK;
-    }
-    if (step->form == GALERKIN_LAGRANGIAN) {
-        double *v = stepper->start_velocity;
-        memset(v, 0, (size_t)n * sizeof *v);
-        const tvi_status status = tvi_legendre_solve(&stepper->legendre, origin->t, origin->q, origin->p, v);
-        if (status != TVI_OK) return status;
-        fill_rows(nodes, 2 * n, n, v);
-        second = nodes->x + 2 * n * lanes;
-    } else step->hamiltonian->last_movement = INFINITY;
-    if (!(block = galerkin_evaluate_gradient_at(&step->field, false, nodes->x, second))) return TVI_EDOMAIN;
-    /* The rows of V are there already; those of F are L_q, the first n components of the gradient. */
-    const int first = step->form == GALERKIN_LAGRANGIAN ? n : 0;
-    for (int u = first; u < nodes->unknown_count; u++)
-        memcpy(nodes->x + step->rate_row[u] * lanes, block + step->field.slot[false][u - first] * lanes,
-               (size_t)lanes * sizeof *block);
-    tvi_galerkin_move(step);
-    return TVI_OK;
 }

@@ -1,5 +1,6 @@
-/* galerkin.h - Declares the stepper of the Galerkin curve: the step that it makes (steps.h), and what is computed once
- * or seldom: tables, first predictions, the roundoff of a pass, and generated code. */
+/* galerkin.h - Declares the memory of the stepper of the Galerkin curve, and the functions that galerkin.c calls for
+ * what is computed once or seldom: tables, predictions from a step of another size, the roundoff of a pass, the curve
+ * at other points, and generated steps. steps.h has the step itself. */
 #ifndef TVI_SRC_GALERKIN_GALERKIN_H
 #define TVI_SRC_GALERKIN_GALERKIN_H
 
@@ -9,16 +10,16 @@
 #include "system/legendre.h"
 #include "system/roundoff.h"
 
-/* ---- The parts of a stepper -------------------------------------------------------------------------------------- */
+/* ---- The memory of a stepper ------------------------------------------------------------------------------------- */
 
-/* The history of the last two steps, from which the next one is predicted; the integrator's history has it, and the
- * impulses. */
+/* The history of the last two steps, from which the next one is predicted. It is a part of the integrator's history, as
+ * the impulses in galerkin_step.ring are. */
 typedef struct {
     double last_h, previous_h; /* the sizes of the last step and of the one before it; 0 if there is none */
     double last_t;             /* the time at which the last step began */
     /* The convergence of the last step's passes, or of earlier ones if the last passes do not show it. */
     galerkin_convergence convergence;
-    long ring_index; /* of the last step's impulses */
+    long ring_index; /* the index in galerkin_step.ring of the impulses of the last step */
 } galerkin_history;
 
 /* Memory of the prediction (predictor.c). */
@@ -37,7 +38,7 @@ typedef struct galerkin_probe {
     int row_count; /* the number of rows of nodes.x that a pass reads */
     /* [row_count][lanes] These rows before a pass, and after a pass from displaced unknowns. */
     double *before, *displaced;
-    double *saved_drift_low, *saved_impulse; /* [unknowns][lanes] */
+    double *saved_free_motion_low, *saved_impulse; /* [unknowns][lanes] */
 } galerkin_probe;
 
 typedef struct {
@@ -53,55 +54,72 @@ typedef struct {
     /* [j][i] What the prediction makes of an impulse of node j at node i: an unknown, nu_ij; or in forms with second
      * derivatives a rate times h, which is 1 / b_i of its own impulse. */
     double *predicted_by_impulse;
-    double *tape_block; /* the block of the field's values, whose inputs include the time */
-    /* The lists of the step, its field and its passes. */
+    double *tape_block; /* the block of the tape of the field's values, whose inputs include the time */
+    /* Lists that the members of the same name in step, step.field and the passes point to (forms.c). */
     int *rate_row, *slot[2], *unknown_of_row, *index_in_block, *row_end, *element_column, *element_slot;
-    tvi_legendre_transform legendre;                 /* of a Lagrangian */
-    double *start_velocity;                          /* [n] of a Lagrangian: the velocity at the start of the step */
-    const galerkin_generated_steps *generated_steps; /* NULL: there is none */
-} galerkin_stepper;
+    tvi_legendre_transform legendre;                 /* for a Lagrangian */
+    double *start_velocity;                          /* [n] a Lagrangian's velocity at the start of the step */
+    const galerkin_generated_steps *generated_steps; /* NULL: the library makes all steps */
+} galerkin_work;
 
 /* ---- galerkin.c -------------------------------------------------------------------------------------------------- */
 
-/* The functions of nodes.h, ends.h and steps.h for the other files. tvi_galerkin_move moves the unknowns by the rates
- * in the rows of nodes.x. */
-void tvi_galerkin_move(const galerkin_step *step);
+/* Two functions of steps.h for predictor.c and probe.c. Each file that calls a function of steps.h itself compiles its
+ * loops once more; these two are compiled in galerkin.c alone. */
 void tvi_galerkin_predict(const galerkin_step *step, const galerkin_extrapolation *by);
 tvi_status tvi_galerkin_make_pass(const galerkin_step *step, double *movement, galerkin_counts *counts);
+
+/* ---- dense.c: the curve at other points -------------------------------------------------------------------------- */
+
+/* Points of a curve: out[u][k] = start[u] + (theta[k] move[u] + scale[u] sum_j table_jk L[u][j]) for the components u <
+ * count and the points k < points. The number of points is 1, the number of lanes or TVI_SAMPLES. */
+typedef struct {
+    int lane_count, points, count;
+    const double *theta, *start, *move, *scale;
+} galerkin_curve_points;
+
+/* Computes `out` [count][points] from the impulses L [count][lanes] and a table [lanes][points]. */
 void tvi_galerkin_evaluate(const galerkin_curve_points *at, const double *table, const double *L, double *out);
+/* The functions `interpolate` and `sample` of the stepper (method/stepper.h). */
+void tvi_galerkin_interpolate(void *self, double theta, double dq[], double dp[]);
+void tvi_galerkin_sample(void *self, const tvi_component_range used[2], const double q_start[], const double p_start[],
+                         double *q, double *p);
 
 /* ---- forms.c: the three forms of the equations ------------------------------------------------------------------- */
 
 /* Allocates what the form needs, after the nodes. */
-void tvi_galerkin_allocate_form(galerkin_stepper *stepper, tvi_arena *arena);
+void tvi_galerkin_allocate_form(galerkin_work *work, tvi_arena *arena);
 /* Sets lists and pointers, after the coefficients are computed. */
-void tvi_galerkin_set_form(galerkin_stepper *stepper);
-/* Predicts the unknowns from the rates at the start of the step. */
-tvi_status tvi_galerkin_predict_from_start(galerkin_stepper *stepper, const tvi_step_origin *origin);
+void tvi_galerkin_set_form(galerkin_work *work);
 /* Inverts the matrix of each lane by elimination with row exchanges; lu_factor is a tvi_lu_factor. Returns false if a
  * matrix is singular or not finite. */
 bool tvi_galerkin_invert_by_exchanges(const node_matrix *matrix, int lanes, void *lu_factor);
 
 /* ---- predictor.c: the prediction from earlier steps (docs/method.md section 5) ----------------------------------- */
 
-void tvi_galerkin_allocate_predictor(galerkin_stepper *stepper, tvi_arena *arena);
-void tvi_galerkin_set_predictor(galerkin_stepper *stepper);
+void tvi_galerkin_allocate_predictor(galerkin_work *work, tvi_arena *arena);
+void tvi_galerkin_set_predictor(galerkin_work *work);
 /* Returns whether the last step can predict the next one, of size step.h from time t, because its nodes are near those
- * of the last step. *elapsed is the fraction of the last step at which the new step begins: 1 for its end, 0 for its
- * start. */
-bool tvi_galerkin_can_predict(const galerkin_stepper *stepper, double t, double *elapsed);
+ * of the last step. It cannot in the first step of a run. *elapsed is the fraction of the last step at which the new
+ * step begins: 1 for its end, 0 for its start. */
+bool tvi_galerkin_can_predict(const galerkin_work *work, double t, double *elapsed);
 /* Predicts the unknowns from the last step, which has another size or begins elsewhere. */
-void tvi_galerkin_predict_resized(galerkin_stepper *stepper, double elapsed);
+void tvi_galerkin_predict_resized(galerkin_work *work, double elapsed);
 
 /* ---- probe.c: the rules that end passes, and the roundoff of a pass (docs/method.md section 5) ------------------- */
 
 /* Returns the rule that ends the passes of this system, with the user's options. */
-tvi_stopping_rule tvi_galerkin_passes_rule(const galerkin_stepper *stepper);
-void tvi_galerkin_allocate_probe(galerkin_stepper *stepper, tvi_arena *arena);
+tvi_stopping_rule tvi_galerkin_make_stopping_rule(const galerkin_work *work);
+void tvi_galerkin_allocate_probe(galerkin_work *work, tvi_arena *arena);
 
-/* ---- emit.c: generated code -------------------------------------------------------------------------------------- */
+/* ---- emit_steps.c: generated steps ------------------------------------------------------------------------------- */
 
-/* Writes the steps of one system into generated code, after the sweeps of its tapes. */
-void tvi_galerkin_emit_steps(jet_text *text, const galerkin_stepper *stepper);
+/* The names of the tapes of the field's values and of its second derivatives in generated code. To such a name
+ * jet_emit_tape (ad/emit.h) appends _values_LANES, _is_split and the like, and emit_steps.c does the same. */
+#define GALERKIN_VALUES_TAPE  "tvi_values"
+#define GALERKIN_HESSIAN_TAPE "tvi_hessian"
+
+/* Writes the generated steps of one system, after the sweeps of its tapes. */
+void tvi_galerkin_emit_steps(jet_text *text, const galerkin_work *work);
 
 #endif

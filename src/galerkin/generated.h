@@ -1,6 +1,6 @@
 /* generated.h - Makes Galerkin steps in generated code: steps.h with the sizes, lists and rule of one system as
- * constants (emit.c), so that the compiler knows the lengths of all loops. Arrays are on the stack if they are short.
- * Only generated code contains this file. */
+ * constants (emit_steps.c), so that the compiler knows the lengths of all loops. Arrays are on the stack if they are
+ * short. Only generated code contains this file. */
 #ifndef TVI_SRC_GALERKIN_GENERATED_H
 #define TVI_SRC_GALERKIN_GENERATED_H
 
@@ -60,11 +60,11 @@ JET_INLINE void generated_copy_rows(double *to, const double *from, int first, i
     for (int i = first * GALERKIN_LANES; i < end * GALERKIN_LANES; i++) to[i] = from[i];
 }
 
-/* Puts the blocks onto the stack: copies the rows that a tape reads and does not set, and, if the caller has predicted
- * the unknowns, theirs. */
-JET_INLINE void generated_use_blocks(galerkin_step *step, generated_blocks *own, bool is_predicted)
+/* Makes the blocks local arrays (if IS_LOCAL): lets the step point to those in `own`, and copies the rows that a tape
+ * reads and does not set. If the caller has predicted the unknowns, copies their rows, too. */
+JET_INLINE void generated_localise_blocks(galerkin_step *step, generated_blocks *own, bool is_predicted)
 {
-    galerkin_field *field = &step->field;
+    galerkin_field_at_nodes *field = &step->field;
     if (!IS_LOCAL) return;
     generated_copy_rows(own->values, field->block[false], 2 * GALERKIN_N, GALERKIN_READ_ONLY_ROWS);
     generated_copy_rows(own->hessian, field->block[true], GALERKIN_INPUTS, GALERKIN_HESSIAN_READ_ONLY_ROWS);
@@ -75,7 +75,8 @@ JET_INLINE void generated_use_blocks(galerkin_step *step, generated_blocks *own,
     step->nodes.x = own->x;
 }
 
-JET_INLINE void generated_use_lagrangian(lagrangian_pass *pass, generated_lagrangian *own, bool is_predicted)
+/* Sets the lists of a Lagrangian's pass to constants, and makes its arrays local (if IS_LOCAL). */
+JET_INLINE void generated_localise_lagrangian(lagrangian_pass *pass, generated_lagrangian *own, bool is_predicted)
 {
     pass->L_vv.n = GALERKIN_N;
     pass->row_end = galerkin_row_end;
@@ -90,10 +91,11 @@ JET_INLINE void generated_use_lagrangian(lagrangian_pass *pass, generated_lagran
     pass->displacement = own->displacement;
     pass->L_vv.matrix = own->matrix;
     pass->L_vv.inverse = own->inverse;
-    pass->L_vv.column = own->column;
+    pass->L_vv.scratch_column = own->column;
 }
 
-JET_INLINE void generated_use_hamiltonian(hamiltonian_pass *pass, generated_hamiltonian *own)
+/* Sets the sizes and lists of a Hamiltonian's pass to constants, and makes its arrays local (if IS_PACKED). */
+JET_INLINE void generated_localise_hamiltonian(hamiltonian_pass *pass, generated_hamiltonian *own)
 {
     pass->columns = GALERKIN_HESSIAN_COLUMNS;
     pass->rows = GALERKIN_HESSIAN_ROWS;
@@ -111,13 +113,14 @@ JET_INLINE void generated_use_hamiltonian(hamiltonian_pass *pass, generated_hami
     pass->inverse_size = own->inverse_size;
 }
 
-/* Makes steps as galerkin_make_steps does, with a copy of the step whose sizes are constants. */
-static void galerkin_make_generated_steps(const galerkin_step *of, const tvi_run_request *run,
+/* Makes steps as galerkin_make_steps does, with a copy of the general step in which sizes and lists are constants. It
+ * is generated_steps->make_steps of make_steps in galerkin.c. */
+static void galerkin_make_generated_steps(const galerkin_step *general, const tvi_run_request *run,
                                           const tvi_step_origin *origin, const tvi_run_state *state,
                                           galerkin_outcome *outcome)
 {
     const bool is_predicted = outcome->equal_step_count == 0;
-    galerkin_step step = *of;
+    galerkin_step step = *general;
     generated_blocks blocks;
     generated_lagrangian own_lagrangian;
     generated_hamiltonian own_hamiltonian;
@@ -134,17 +137,17 @@ static void galerkin_make_generated_steps(const galerkin_step *of, const tvi_run
     step.field.input_count = GALERKIN_INPUTS;
     step.field.slot[false] = galerkin_slot;
     step.field.slot[true] = galerkin_hessian_slot;
-    generated_use_blocks(&step, &blocks, is_predicted);
+    generated_localise_blocks(&step, &blocks, is_predicted);
     if (IS_LAGRANGIAN) {
-        lagrangian = *of->lagrangian;
-        generated_use_lagrangian(&lagrangian, &own_lagrangian, is_predicted);
+        lagrangian = *general->lagrangian;
+        generated_localise_lagrangian(&lagrangian, &own_lagrangian, is_predicted);
         generated_set_sizes(&lagrangian.rates);
         lagrangian.rates.x = step.nodes.x + 2 * GALERKIN_N * GALERKIN_LANES;
         step.lagrangian = &lagrangian;
     }
     if (IS_HAMILTONIAN) {
-        hamiltonian = *of->hamiltonian;
-        generated_use_hamiltonian(&hamiltonian, &own_hamiltonian);
+        hamiltonian = *general->hamiltonian;
+        generated_localise_hamiltonian(&hamiltonian, &own_hamiltonian);
         generated_set_sizes(&hamiltonian.rates);
         hamiltonian.rates.x = step.nodes.x + GALERKIN_UNKNOWNS * GALERKIN_LANES;
         step.hamiltonian = &hamiltonian;

@@ -13,10 +13,10 @@
 #ifndef TVI_GALERKIN_HAMILTONIAN_PASS_H
 #define TVI_GALERKIN_HAMILTONIAN_PASS_H
 
-#include "galerkin/field.h"
+#include "galerkin/nodes.h"
 
-/* [1] Passes with second derivatives, which cost more than others, end when the next is expected to move the unknowns
- * by this part of their sizes (GALERKIN_GOAL). */
+/* [1] Passes with second derivatives end when the next pass is expected to move the unknowns by at most this number
+ * times their sizes. The number is larger than GALERKIN_GOAL, that of other passes, since these passes cost more. */
 #define GALERKIN_HESSIAN_GOAL 0x1p-72 /* found: make longrun */
 /* [1] Inner iterations end when the square of the next movement is expected to be at most this many times the square of
  * the error of the expansion to first order. With half of this number steps take more time, with twice this number more
@@ -24,9 +24,8 @@
 #define GALERKIN_INNER_GOAL 4 /* found: make longrun */
 /* [iterations] A pass has at most this many inner iterations. */
 #define GALERKIN_MAX_INNER_ITERATIONS 32 /* found: make longrun */
-/* A pass that reuses the second derivatives of the pass before has, for a Hamiltonian, the cube of the movement as its
- * error. For a Lagrangian make longrun SCENE=double_pendulum shows the error. */
-/* [1] H'' is reused if (relative movement)^2 is at most this. */
+/* [1] H'' is reused if (relative movement)^2 is at most this. The error that a pass with reused second derivatives
+ * leaves is the cube of the movement. */
 #define HAMILTONIAN_HESSIAN_MAX_MOVEMENT 0x1p-50 /* found: make longrun */
 
 /* The rows of K'' that inner iterations multiply by are those of the unknowns whose rates depend on any unknown; the
@@ -48,12 +47,12 @@ enum { SINGLE_VEC = sizeof(single_vec) / sizeof(float) };
 
 typedef struct {
     /* The nodes with the rates V and F as unknowns: the prediction extrapolates them from the impulses of earlier
-     * steps, with scale = 1 / h, and no drift. Their rows follow those of the unknowns. */
+     * steps, with scale = 1 / h, and no free motion. Their rows follow those of the unknowns. */
     galerkin_nodes rates;
     int columns, rows;
     const int *unknown_of_row;   /* [rows] the unknown of each row */
     const int *index_in_block;   /* [columns][rows of the group] for each group: where the block has the element */
-    float *nu;                   /* [lanes][single lanes] nu_ij (nodes.h) */
+    float *nu;                   /* [lanes][single lanes] the matrix nu_ij (nodes.h) */
     float *packed;               /* [columns][rows of the group][single lanes] for each group: the elements */
     double *size, *inverse_size; /* [rows] the size of each unknown in this step, and its reciprocal */
     float *dx, *dx_sum;          /* [rows][single lanes] d_k, and the sum of all d_k */
@@ -211,7 +210,8 @@ JET_INLINE void run_inner_iterations(const galerkin_nodes *nodes, const hamilton
 NODE_LOOP void hamiltonian_iterate(const galerkin_nodes *nodes, const hamiltonian_pass *pass, const double *block,
                                    const double *rates, const int slot[], bool is_new, double least_goal)
 {
-    BY_LANES(nodes->lane_count, run_inner_iterations(nodes, pass, block, rates, slot, is_new, least_goal, lanes));
+    BY_LANES(lanes, nodes->lane_count,
+             run_inner_iterations(nodes, pass, block, rates, slot, is_new, least_goal, lanes));
 }
 
 /* ---- A pass ------------------------------------------------------------------------------------------------------ */
@@ -233,7 +233,7 @@ static inline void hamiltonian_predict(hamiltonian_pass *pass, const galerkin_no
 
 /* Makes a pass. Returns false if an unknown is outside the field's domain. */
 static inline bool hamiltonian_make_pass(hamiltonian_pass *pass, const galerkin_nodes *nodes,
-                                         const galerkin_field *field)
+                                         const galerkin_field_at_nodes *field)
 {
     const int numbers = nodes->unknown_count * nodes->lane_count;
     const bool is_first = isinf(pass->last_movement),
@@ -248,7 +248,7 @@ static inline bool hamiltonian_make_pass(hamiltonian_pass *pass, const galerkin_
         pass->size[i] = 1 / pass->inverse_size[i];
     }
     hamiltonian_iterate(nodes, pass, field->block[true], rates, slot, is_new, least);
-    pass->last_movement = nodes_move_with_changes(nodes, rates, pass->added_impulse, slot);
+    pass->last_movement = nodes_move_by_changed_impulses(nodes, rates, pass->added_impulse, slot);
     return true;
 }
 

@@ -8,11 +8,12 @@
  *     P = p0 + h a F,    V = V* + L_vv^-1 ((P - L_v) - L_vq (Q - Q*)),    Q = q0 + h a V,
  *
  * where L_v and its derivatives are those at (Q*, V*), h is the step size, a the matrix of Gauss collocation and (q0,
- * p0) the state at the start of the step. */
+ * p0) the state at the start of the step. (Q*, V*) is (Q, V) at the start of the pass, with the last bits rounded off
+ * (lagrangian_round). */
 #ifndef TVI_GALERKIN_LAGRANGIAN_PASS_H
 #define TVI_GALERKIN_LAGRANGIAN_PASS_H
 
-#include "galerkin/field.h"
+#include "galerkin/nodes.h"
 
 #include <float.h>
 
@@ -26,36 +27,40 @@
  * pass. */
 #define LAGRANGIAN_MAX_ITERATIONS 3 /* found: make longrun */
 #define LAGRANGIAN_MIN_ITERATIONS 2 /* found: make longrun */
-/* [bits] A Lagrangian's gradient is evaluated at coordinates and velocities with this many last bits rounded off. */
+/* [bits] This number of last bits is rounded off the coordinates and velocities of the nodes to give the points at
+ * which a Lagrangian's gradient is evaluated. Fewer bits would not be the same in the last passes of a step. */
 #define LAGRANGIAN_ROUNDED_BITS 6 /* found: make longrun */
 
 /* An n x n matrix at each node, and its inverse. */
 typedef struct {
     int n;
-    double *matrix, *inverse; /* [n][n][lanes] */
-    double *column;           /* [n][lanes] scratch space */
+    double *matrix, *inverse; /* [n][n][lanes] The matrices and their inverses, an element of all nodes in a row. */
+    double *scratch_column;   /* [n][lanes] Scratch: one column of numbers at each node. */
 } node_matrix;
 
 /* The rows of nodes.x are positions Q, momenta P, velocities V, forces F = L_q, and the change of L_v by the
  * displacement of Q, n each. */
 typedef struct {
-    galerkin_nodes rates;     /* as in hamiltonian_pass.h */
-    double *q_moved;          /* [n][lanes] Q minus q at the start */
-    double *start_minus_q[2]; /* [n][lanes] q at the start minus Q*: a number and its low-order part */
-    double *gradient;         /* [2n][lanes] (L_q, L_v) at (Q*, V*) */
-    double *displacement;     /* [2n][lanes] (Q, V) minus (Q*, V*) */
+    /* The nodes with the rates V and F as unknowns. The prediction extrapolates them from the impulses of earlier
+     * steps, with scale = 1 / h, and no free motion. */
+    galerkin_nodes rates;
+    double *q_moved;          /* [n][lanes] Q minus q at the start of the step. */
+    double *start_minus_q[2]; /* [n][lanes] q at the start of the step minus Q*: a number and its low-order part. */
+    double *gradient;         /* [2n][lanes] (L_q, L_v) at (Q*, V*). */
+    double *displacement;     /* [2n][lanes] (Q, V) minus (Q*, V*). */
     /* The elements of the Hessian that are not always 0, row after row: the column of each, and its row in the block
      * with second derivatives; [2n] the index of the element at which each row ends. */
     const int *column, *slot, *row_end;
     node_matrix L_vv;
-    /* Inverts L_vv with row exchanges, where elimination without them fails. Generated code, too, calls it with arrays
-     * of the library (by_exchanges, L_vv_factor): of a local array whose address a function gets a compiler has to
-     * assume that other pointers may point to it. */
+    /* Inverts L_vv with row exchanges, where elimination without them fails: tvi_galerkin_invert_by_exchanges of
+     * forms.c. Generated code, too, calls it with arrays of the library (by_exchanges, L_vv_factor). If it passed the
+     * address of a local array, a compiler would have to assume that other pointers may point to that array. */
     bool (*invert_by_exchanges)(const node_matrix *matrix, int lanes, void *lu_factor);
     const node_matrix *by_exchanges;
-    void *L_vv_factor;    /* the tvi_lu_factor of one node after the other */
-    long inversions;      /* the number of times that L_vv was inverted at all nodes */
-    double last_movement; /* as in hamiltonian_pass.h */
+    void *L_vv_factor; /* the tvi_lu_factor of one node after the other */
+    long inversions;   /* the number of times that L_vv was inverted at all nodes */
+    /* The movement of the last pass, a sum of squares; INFINITY before the first pass of a step. */
+    double last_movement;
 } lagrangian_pass;
 
 /* ---- Matrices at the nodes --------------------------------------------------------------------------------------- */
@@ -65,18 +70,18 @@ JET_INLINE node_vec node_size(node_vec x) { return node_larger(node_larger(x, -x
 
 /* Inverts the matrix of each lane by Gauss-Jordan elimination without row exchanges. Returns false, with `inverse`
  * undefined, if some pivot is much smaller or larger than the diagonal element in its place, or a NaN. */
-JET_INLINE bool invert_lanes(const node_matrix *of, const int lanes)
+JET_INLINE bool invert_matrix_of_each_lane(const node_matrix *all, const int lanes)
 {
-    const int n = of->n;
+    const int n = all->n;
     double worst[GALERKIN_MAX_LANES];
     bool is_safe = true;
-    memcpy(of->inverse, of->matrix, (size_t)(n * n * lanes) * sizeof *of->matrix);
+    memcpy(all->inverse, all->matrix, (size_t)(n * n * lanes) * sizeof *all->matrix);
     for (int i = 0; i < lanes; i++) worst[i] = -INFINITY;
     for (int j = 0; j < n; j++) {
-        double *const row = of->inverse + j * n * lanes;
+        double *const row = all->inverse + j * n * lanes;
         for (int v = 0; v < lanes / NODE_VEC; v++) {
             const node_vec inverse = 1 / node_load(row + j * lanes, v),
-                           part = node_size(node_load(of->matrix + (j * n + j) * lanes, v) * inverse);
+                           part = node_size(node_load(all->matrix + (j * n + j) * lanes, v) * inverse);
             const node_vec excess =
                 node_larger(LINEAR_MIN_PIVOT_OF_INVERSE - part, part - 1 / LINEAR_MIN_PIVOT_OF_INVERSE);
             node_store(worst, v, node_larger(excess, node_load(worst, v)));
@@ -84,7 +89,7 @@ JET_INLINE bool invert_lanes(const node_matrix *of, const int lanes)
             node_store(row + j * lanes, v, inverse);
         }
         for (int i = 0; i < n; i++) {
-            double *const other = of->inverse + i * n * lanes;
+            double *const other = all->inverse + i * n * lanes;
             for (int v = 0; v < (i == j ? 0 : lanes / NODE_VEC); v++) {
                 const node_vec part = node_load(other + j * lanes, v);
                 node_store(other + j * lanes, v, (node_vec){0});
@@ -101,16 +106,18 @@ JET_INLINE bool invert_lanes(const node_matrix *of, const int lanes)
 NODE_LOOP bool nodes_invert(const node_matrix *matrix, int lane_count)
 {
     bool is_safe;
-    BY_LANES(lane_count, is_safe = invert_lanes(matrix, lanes));
+    BY_LANES(lanes, lane_count, is_safe = invert_matrix_of_each_lane(matrix, lanes));
     return is_safe;
 }
 
-/* Sets V = V* + L_vv^-1 ((P - L_v) - L_vq (Q - Q*)), [n][lanes] each; L_v_change is the last product. */
+/* Sets the velocities V = centre_V + L_vv^-1 ((P - L_v) - L_v_change), [n][lanes] each. centre_V is V*, L_v is the
+ * gradient by v at (Q*, V*), and L_v_change is L_vq (Q - Q*), its change to first order by the displacement of Q (head
+ * of this file). */
 JET_INLINE void correct_velocity_rows(const node_matrix *L_vv, const double *P, const double *L_v,
                                       const double *L_v_change, const double *centre_V, double *V, const int lanes)
 {
     const int n = L_vv->n;
-    double *const x = L_vv->column;
+    double *const x = L_vv->scratch_column;
     for (int v = 0; v < n * lanes / NODE_VEC; v++)
         node_store(x, v, (node_load(P, v) - node_load(L_v, v)) - node_load(L_v_change, v));
     for (int i = 0; i < n; i++)
@@ -125,7 +132,7 @@ JET_INLINE void correct_velocity_rows(const node_matrix *L_vv, const double *P, 
 NODE_LOOP void nodes_correct_velocities(const node_matrix *L_vv, int lane_count, const double *P, const double *L_v,
                                         const double *L_v_change, const double *centre_V, double *V)
 {
-    BY_LANES(lane_count, correct_velocity_rows(L_vv, P, L_v, L_v_change, centre_V, V, lanes));
+    BY_LANES(lanes, lane_count, correct_velocity_rows(L_vv, P, L_v, L_v_change, centre_V, V, lanes));
 }
 
 /* Sets the first n rows of `out` [2n][lanes] to L_q at the displaced point, to first order, and the last n rows to the
@@ -150,19 +157,20 @@ JET_INLINE void linearise_rows(const lagrangian_pass *pass, int n, const double 
 
 NODE_LOOP void nodes_linearise(const lagrangian_pass *pass, int n, int lane_count, const double *block, double *out)
 {
-    BY_LANES(lane_count, linearise_rows(pass, n, block, out, lanes));
+    BY_LANES(lanes, lane_count, linearise_rows(pass, n, block, out, lanes));
 }
 
 /* ---- Movements --------------------------------------------------------------------------------------------------- */
 
+/* Returns one half of the unknowns (Q, P) as nodes of their own: Q if `first` is 0, and P if it is n. */
 static inline galerkin_nodes lagrangian_half(const galerkin_nodes *all, int first)
 {
     galerkin_nodes half = *all;
     const int offset = first * half.lane_count;
     half.unknown_count = half.moving_count = half.n;
     half.x += offset;
-    half.drift += offset;
-    half.drift_low += offset;
+    half.free_motion += offset;
+    half.free_motion_low += offset;
     half.impulse += offset;
     half.start += first;
     half.scale += first;
@@ -170,12 +178,14 @@ static inline galerkin_nodes lagrangian_half(const galerkin_nodes *all, int firs
     return half;
 }
 
+/* Moves P by the rates F. Returns the movement. */
 static inline double lagrangian_move_p(const galerkin_nodes *nodes, const int rate_row[])
 {
     const galerkin_nodes momenta = lagrangian_half(nodes, nodes->n);
     return nodes_move(&momenta, nodes->x, rate_row + nodes->n, NULL);
 }
 
+/* Moves Q by the rates V. Returns the movement. */
 static inline double lagrangian_move_q(const lagrangian_pass *pass, const galerkin_nodes *nodes, const int rate_row[])
 {
     const galerkin_nodes positions = lagrangian_half(nodes, 0);
@@ -224,8 +234,8 @@ static inline void lagrangian_round(int count, const double *x, double *rounded)
     }
 }
 
-static inline bool lagrangian_evaluate(lagrangian_pass *pass, const galerkin_nodes *nodes, const galerkin_field *field,
-                                       bool with_hessian)
+static inline bool lagrangian_evaluate(lagrangian_pass *pass, const galerkin_nodes *nodes,
+                                       const galerkin_field_at_nodes *field, bool with_hessian)
 {
     const int lanes = nodes->lane_count, half = nodes->n * lanes;
     lagrangian_round(half, nodes->x, field->block[false]);
@@ -263,7 +273,7 @@ static inline lagrangian_result lagrangian_invert(lagrangian_pass *pass, int n, 
 static inline void lagrangian_set_start_minus_q(lagrangian_pass *pass, const galerkin_nodes *nodes, const double *Q)
 {
     for (int i = 0; i < nodes->n * nodes->lane_count; i++) {
-        const double q = nodes->drift[i], rise = q - Q[i], less = q - rise;
+        const double q = nodes->free_motion[i], rise = q - Q[i], less = q - rise;
         pass->start_minus_q[0][i] = rise;
         pass->start_minus_q[1][i] = (q - (rise + less)) + (less - Q[i]);
     }
@@ -271,7 +281,8 @@ static inline void lagrangian_set_start_minus_q(lagrangian_pass *pass, const gal
 
 /* Sets the rows F to L_q at Q and V, and the last n rows to the change of L_v by the displacement of Q, both to first
  * order. The displacement of Q is a sum of differences, which do not contain the rounding of Q. */
-static inline void lagrangian_linearise(lagrangian_pass *pass, const galerkin_nodes *nodes, const galerkin_field *field)
+static inline void lagrangian_linearise(lagrangian_pass *pass, const galerkin_nodes *nodes,
+                                        const galerkin_field_at_nodes *field)
 {
     const int half = nodes->n * nodes->lane_count;
     const double *V = nodes->x + 2 * half, *centre_V = field->block[false] + half;
@@ -285,7 +296,7 @@ static inline void lagrangian_linearise(lagrangian_pass *pass, const galerkin_no
 /* Makes a pass: moves P, V and Q in turn by the linearised gradient, until the movement is roundoff. The movement is
  * the sum of the squares of the relative changes of P and Q. */
 static inline lagrangian_result lagrangian_make_pass(lagrangian_pass *pass, const galerkin_nodes *nodes,
-                                                     const galerkin_field *field, const int rate_row[])
+                                                     const galerkin_field_at_nodes *field, const int rate_row[])
 {
     const int n = nodes->n, lanes = nodes->lane_count, half = n * lanes, numbers = 2 * half;
     const bool is_new = !(pass->last_movement <= LAGRANGIAN_HESSIAN_MAX_MOVEMENT * numbers);

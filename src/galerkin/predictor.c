@@ -11,16 +11,16 @@
 /* [1] The least such quotient. A step in the opposite direction has a negative one. */
 #define GALERKIN_PREDICTION_BACK_RATIO (-2) /* found: make longrun */
 
-void tvi_galerkin_allocate_predictor(galerkin_stepper *stepper, tvi_arena *arena)
+void tvi_galerkin_allocate_predictor(galerkin_work *work, tvi_arena *arena)
 {
-    galerkin_predictor *predictor = &stepper->predictor;
-    const galerkin_nodes *nodes = &stepper->step.nodes;
+    galerkin_predictor *predictor = &work->predictor;
+    const galerkin_nodes *nodes = &work->step.nodes;
     const size_t unknowns = (size_t)nodes->unknown_count, lanes = (size_t)nodes->lane_count;
     predictor->history = tvi_arena_allocate_copied(arena, sizeof *predictor->history);
     for (int i = 0; i < GALERKIN_RING_LENGTH; i++)
-        stepper->step.ring[i] = tvi_arena_allocate_uncopied(arena, unknowns * lanes * sizeof(double));
-    stepper->step.two_step_table = tvi_arena_allocate_doubles(arena, 2 * lanes * lanes);
-    stepper->step.last_step_table = tvi_arena_allocate_doubles(arena, lanes * lanes);
+        work->step.ring[i] = tvi_arena_allocate_uncopied(arena, unknowns * lanes * sizeof(double));
+    work->step.two_step_prediction_table = tvi_arena_allocate_doubles(arena, 2 * lanes * lanes);
+    work->step.last_step_prediction_table = tvi_arena_allocate_doubles(arena, lanes * lanes);
     predictor->resized_table = tvi_arena_allocate_doubles(arena, lanes * lanes);
     predictor->rates = tvi_arena_allocate_doubles(arena, unknowns * lanes);
     predictor->zeros = tvi_arena_allocate_doubles(arena, unknowns + lanes);
@@ -30,23 +30,23 @@ void tvi_galerkin_allocate_predictor(galerkin_stepper *stepper, tvi_arena *arena
 /* Computes the tables that extrapolate two steps and one. For two steps a polynomial of degree 3m/2 needs the fewest
  * passes, with m nodes: a higher degree raises the roundoff of the prediction more than it lowers its truncation
  * error. */
-void tvi_galerkin_set_predictor(galerkin_stepper *stepper)
+void tvi_galerkin_set_predictor(galerkin_work *work)
 {
-    galerkin_predictor *predictor = &stepper->predictor;
-    galerkin_step *step = &stepper->step;
+    galerkin_predictor *predictor = &work->predictor;
+    galerkin_step *step = &work->step;
     const int m = step->nodes.node_count, lanes = step->nodes.lane_count, unknowns = step->nodes.unknown_count;
-    tvi_galerkin_extrapolation(&stepper->coefficients, 2, m > 1 ? 3 * m / 2 : 1, stepper->predicted_by_impulse,
-                               stepper->step.two_step_table);
-    tvi_galerkin_extrapolation(&stepper->coefficients, 1, m - 1, stepper->predicted_by_impulse,
-                               stepper->step.last_step_table);
+    tvi_galerkin_extrapolation(&work->coefficients, 2, m > 1 ? 3 * m / 2 : 1, work->predicted_by_impulse,
+                               work->step.two_step_prediction_table);
+    tvi_galerkin_extrapolation(&work->coefficients, 1, m - 1, work->predicted_by_impulse,
+                               work->step.last_step_prediction_table);
     step->two_step_max_movement = unknowns * lanes * (GALERKIN_ROUGH_PREDICTION * GALERKIN_ROUGH_PREDICTION);
     for (int i = 0; i < unknowns + lanes; i++) predictor->ones[i] = 1;
 }
 
-bool tvi_galerkin_can_predict(const galerkin_stepper *stepper, double t, double *elapsed)
+bool tvi_galerkin_can_predict(const galerkin_work *work, double t, double *elapsed)
 {
-    const galerkin_history *history = stepper->predictor.history;
-    const double h = stepper->step.h;
+    const galerkin_history *history = work->predictor.history;
+    const double h = work->step.h;
     if (history->last_h == 0) return false;
     const double ratio = h == history->last_h ? 1 : h / history->last_h;
     const bool is_next = fabs(t - (history->last_t + history->last_h)) < GALERKIN_MAX_TIME_GAP * fabs(h);
@@ -57,33 +57,33 @@ bool tvi_galerkin_can_predict(const galerkin_stepper *stepper, double t, double 
 
 /* Computes resized_table for a step that is `ratio` times as large as the last one and begins at the fraction `elapsed`
  * of it. In units of the last step the nodes of the new step are at elapsed + ratio c_i. */
-static void set_resized_table(galerkin_stepper *stepper, double ratio, double elapsed)
+static void set_resized_table(galerkin_work *work, double ratio, double elapsed)
 {
-    galerkin_predictor *predictor = &stepper->predictor;
-    const int m = stepper->step.nodes.node_count, lanes = stepper->step.nodes.lane_count;
-    const double *b = stepper->coefficients.b, *c = stepper->coefficients.c;
+    galerkin_predictor *predictor = &work->predictor;
+    const int m = work->step.nodes.node_count, lanes = work->step.nodes.lane_count;
+    const double *b = work->coefficients.b, *c = work->coefficients.c;
     if (ratio == predictor->ratio && elapsed == predictor->elapsed) return;
     predictor->ratio = ratio;
     predictor->elapsed = elapsed;
     const galerkin_curve_points at = {lanes, lanes, m, c, predictor->zeros, predictor->zeros, predictor->ones};
     double place[GALERKIN_MAX_LANES] = {0}, P[GALERKIN_MAX_LANES * GALERKIN_MAX_LANES] = {0};
     for (int i = 0; i < lanes; i++) place[i] = elapsed + ratio * c[i];
-    tvi_galerkin_legendre(&stepper->polynomials, lanes, place, P);
-    tvi_galerkin_evaluate(&at, P, stepper->polynomials.transposed, predictor->resized_table);
+    tvi_galerkin_legendre(&work->polynomials, lanes, place, P);
+    tvi_galerkin_evaluate(&at, P, work->polynomials.legendre_factor_by_node, predictor->resized_table);
     for (int j = 0; j < m; j++)
         for (int i = 0; i < lanes; i++) predictor->resized_table[j * lanes + i] *= ratio * b[i];
 }
 
-void tvi_galerkin_predict_resized(galerkin_stepper *stepper, double elapsed)
+void tvi_galerkin_predict_resized(galerkin_work *work, double elapsed)
 {
-    galerkin_predictor *predictor = &stepper->predictor;
-    const galerkin_step *step = &stepper->step;
+    galerkin_predictor *predictor = &work->predictor;
+    const galerkin_step *step = &work->step;
     const int lanes = step->nodes.lane_count;
     const galerkin_curve_points at = {
         lanes, lanes, step->nodes.unknown_count, step->c, predictor->zeros, predictor->zeros, predictor->ones};
-    set_resized_table(stepper, step->h / predictor->history->last_h, elapsed);
+    set_resized_table(work, step->h / predictor->history->last_h, elapsed);
     tvi_galerkin_evaluate(&at, predictor->resized_table, galerkin_ring_at(step, (int)predictor->history->ring_index),
                           predictor->rates);
-    tvi_galerkin_predict(step, &(galerkin_extrapolation){stepper->predicted_by_impulse, stepper->predicted_by_impulse,
+    tvi_galerkin_predict(step, &(galerkin_extrapolation){work->predicted_by_impulse, work->predicted_by_impulse,
                                                          predictor->rates, predictor->rates, true});
 }

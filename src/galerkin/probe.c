@@ -36,10 +36,10 @@
 
 /* Without the term h g'' of the second derivatives of a Hamiltonian K = g h (hamiltonian_pass.h), each pass reduces the
  * error by a constant factor only: this is not Newton's method. */
-tvi_stopping_rule tvi_galerkin_passes_rule(const galerkin_stepper *stepper)
+tvi_stopping_rule tvi_galerkin_make_stopping_rule(const galerkin_work *work)
 {
-    const galerkin_step *step = &stepper->step;
-    const tvi_options *options = stepper->options;
+    const galerkin_step *step = &work->step;
+    const tvi_options *options = work->options;
     const double numbers = step->nodes.unknown_count * step->nodes.lane_count,
                  goal = step->form == GALERKIN_PLAIN ? GALERKIN_GOAL : GALERKIN_HESSIAN_GOAL;
     const tvi_stopping_rule rule = {.max_passes = GALERKIN_MAX_PASSES,
@@ -62,19 +62,19 @@ static size_t bytes_of_rows(const galerkin_step *step, int rows)
     return (size_t)rows * (size_t)step->nodes.lane_count * sizeof(double);
 }
 
-void tvi_galerkin_allocate_probe(galerkin_stepper *stepper, tvi_arena *arena)
+void tvi_galerkin_allocate_probe(galerkin_work *work, tvi_arena *arena)
 {
-    galerkin_probe *probe = &stepper->probe;
-    const size_t rows = bytes_of_rows(&stepper->step, probe->row_count),
-                 unknowns = bytes_of_rows(&stepper->step, stepper->step.nodes.unknown_count);
-    tvi_roundoff_allocate(&probe->roundoff, arena, stepper->step.system);
+    galerkin_probe *probe = &work->probe;
+    const size_t rows = bytes_of_rows(&work->step, probe->row_count),
+                 unknowns = bytes_of_rows(&work->step, work->step.nodes.unknown_count);
+    tvi_roundoff_allocate(&probe->roundoff, arena, work->step.system);
     probe->before = tvi_arena_allocate(arena, rows);
     probe->displaced = tvi_arena_allocate(arena, rows);
-    probe->saved_drift_low = tvi_arena_allocate(arena, unknowns);
+    probe->saved_free_motion_low = tvi_arena_allocate(arena, unknowns);
     probe->saved_impulse = tvi_arena_allocate(arena, unknowns);
 }
 
-void tvi_galerkin_add_roundoff(const galerkin_field *field, bool with_hessian)
+void tvi_galerkin_add_roundoff(const galerkin_field_at_nodes *field, bool with_hessian)
 {
     tvi_roundoff_estimator *roundoff = field->added_roundoff;
     const jet_tape *tape = field->tape[with_hessian];
@@ -98,7 +98,7 @@ static void displace_unknowns(const galerkin_nodes *nodes)
                 GALERKIN_PROBE_UNITS * DBL_EPSILON * (fabs(nodes->start[u]) + fabs(nodes->x[k] - nodes->start[u]));
             bits = bits * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
             nodes->x[k] += bits >> 63 ? size : -size;
-            nodes->drift_low[k] += bits >> 63 ? size : -size;
+            nodes->free_motion_low[k] += bits >> 63 ? size : -size;
         }
 }
 
@@ -120,7 +120,7 @@ static tvi_status make_displaced_pass(galerkin_step *step, double *movement, gal
     const galerkin_nodes *nodes = &step->nodes;
     galerkin_probe *probe = step->probe;
     const size_t rows = bytes_of_rows(step, probe->row_count), unknowns = bytes_of_rows(step, nodes->unknown_count);
-    memcpy(probe->saved_drift_low, nodes->drift_low, unknowns);
+    memcpy(probe->saved_free_motion_low, nodes->free_motion_low, unknowns);
     memcpy(probe->saved_impulse, nodes->impulse, unknowns);
     displace_unknowns(nodes);
     step->field.added_roundoff = &probe->roundoff;
@@ -128,7 +128,7 @@ static tvi_status make_displaced_pass(galerkin_step *step, double *movement, gal
     step->field.added_roundoff = NULL;
     memcpy(probe->displaced, nodes->x, rows);
     memcpy(nodes->x, probe->before, rows);
-    memcpy(nodes->drift_low, probe->saved_drift_low, unknowns);
+    memcpy(nodes->free_motion_low, probe->saved_free_motion_low, unknowns);
     memcpy(nodes->impulse, probe->saved_impulse, unknowns);
     return status;
 }

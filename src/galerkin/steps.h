@@ -6,9 +6,10 @@
  * and for any other system, with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q,
  *    (Q, P)_i = (q0, p0) + h sum_j a_ij (V, F)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (V, F)_j.
  *
- * Lanes, impulses and rates are those of nodes.h. A step predicts the unknowns, makes passes until they are at rest,
- * sums the impulses and computes the tail (ends.h). The library compiles this text in galerkin.c, once for each
- * instruction set; generated code contains it, with the sizes of its system as constants (emit.c). */
+ * Lanes, impulses and rates are those of nodes.h. The last function, galerkin_make_steps, is a step on a page: it
+ * predicts the unknowns, makes passes until they are at rest, sums the impulses and computes the tail (ends.h). The
+ * library compiles this text in galerkin.c, once for each instruction set; generated code contains it, with the sizes
+ * of its system as constants (emit_steps.c, generated.h). */
 #ifndef TVI_SRC_GALERKIN_STEPS_H
 #define TVI_SRC_GALERKIN_STEPS_H
 
@@ -33,22 +34,25 @@ struct galerkin_probe;
 /* What steps are computed with: the unknowns, the field and the tables. */
 typedef struct galerkin_step {
     galerkin_form form;
-    bool is_separable;
-    double h; /* the step size for which weights and scales are set; 0 before the first step */
+    bool is_separable; /* the system is separable, so that the unknowns are the coordinates alone, with Q'' = F */
+    double h;          /* the step size for which weights and scales are set; 0 before the first step */
     const tvi_system *system;
     galerkin_nodes nodes;
-    galerkin_field field;
+    galerkin_field_at_nodes field;
     const int *rate_row; /* [unknowns] the row of nodes.x that has the rate of each unknown */
     const double *c;     /* [lanes] the nodes c_i */
-    /* [unknowns] the drift of the positions of a separable system over the step, h M^-1 p0, in two parts */
+    /* [unknowns] the free motion of the positions of a separable system over the whole step, h M^-1 p0, in two parts */
     double *move, *move_low;
     galerkin_sum_weights sum_weights;
     galerkin_tail tail;
-    tvi_stopping_rule rule; /* that ends the passes */
-    /* Tables of the prediction (galerkin_extrapolation), and the impulses of the last steps, stored in the history. If
-     * the movement of the first pass of a step is larger than this limit, the next step is predicted from one step. */
-    double *two_step_table, *last_step_table;
+    tvi_stopping_rule rule; /* the rule that ends the passes */
+    /* The factors by which the impulses of the last two steps, or of the last step alone, predict the unknowns
+     * (galerkin_extrapolation). */
+    double *two_step_prediction_table, *last_step_prediction_table;
+    /* The next step is predicted from two steps if the first pass of this step moves the unknowns by no more than this,
+     * as a sum of squares. */
     double two_step_max_movement;
+    /* The impulses of the last steps and of the current one, stored in the history. */
     double *ring[GALERKIN_RING_LENGTH];
     lagrangian_pass *lagrangian;   /* NULL for other forms */
     hamiltonian_pass *hamiltonian; /* NULL for other forms */
@@ -66,15 +70,17 @@ typedef struct galerkin_outcome {
      * added to the state (galerkin_add_step). */
     tvi_status status;
     long step_count;
-    galerkin_counts counts, counts_of_added; /* of all passes, and of those of steps that were made */
+    galerkin_counts counts;          /* the work of all passes */
+    galerkin_counts counts_of_added; /* the work of the passes of those steps that were made */
     /* The index in the ring of the last step's impulses, and how many of the last two steps (0, 1 or 2) have the size
      * of the next step. */
     int ring_index, equal_step_count;
     bool is_extrapolated; /* whether the first step was predicted from earlier steps, not from its start alone */
-    galerkin_convergence convergence; /* of the last step */
-    double start_time;                /* of the last step */
-    double last_movement, last_tail;  /* of the last step; a movement is a sum of squares */
-    double largest_tail;              /* of these steps and of all earlier ones */
+    galerkin_convergence convergence; /* the convergence of the passes of the last step */
+    double start_time;                /* the time at which the last step began */
+    double last_movement;             /* the movement of the last pass of the last step, a sum of squares */
+    double last_tail;                 /* the tail of the last step */
+    double largest_tail;              /* the largest tail of these steps and of all earlier ones */
 } galerkin_outcome;
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
@@ -84,10 +90,10 @@ static inline double *galerkin_ring_at(const galerkin_step *step, int index)
     return step->ring[(index + GALERKIN_RING_LENGTH) % GALERKIN_RING_LENGTH];
 }
 
-static inline void galerkin_set_drift(const galerkin_step *step, const tvi_step_origin *origin)
+static inline void galerkin_set_free_motion(const galerkin_step *step, const tvi_step_origin *origin)
 {
-    if (step->is_separable) nodes_set_linear_drift(&step->nodes, step->c, origin, step->move, step->move_low);
-    else nodes_set_constant_drift(&step->nodes, origin);
+    if (step->is_separable) nodes_set_linear_free_motion(&step->nodes, step->c, origin, step->move, step->move_low);
+    else nodes_set_constant_free_motion(&step->nodes, origin);
 }
 
 static inline void galerkin_predict(const galerkin_step *step, const galerkin_extrapolation *by)
@@ -102,7 +108,7 @@ static inline void galerkin_predict(const galerkin_step *step, const galerkin_ex
 static inline void galerkin_predict_from_ring(const galerkin_step *step, const galerkin_outcome *so_far)
 {
     const galerkin_extrapolation by = {
-        step->two_step_table, step->last_step_table, galerkin_ring_at(step, so_far->ring_index),
+        step->two_step_prediction_table, step->last_step_prediction_table, galerkin_ring_at(step, so_far->ring_index),
         galerkin_ring_at(step, so_far->ring_index - 1),
         so_far->equal_step_count < 2 || so_far->convergence.first_movement > step->two_step_max_movement};
     galerkin_predict(step, &by);
@@ -112,13 +118,13 @@ static inline void galerkin_predict_from_ring(const galerkin_step *step, const g
 
 /* Moves the unknowns by the rates, which the tape computes from them: nodes.x is the block of the tape, whose inputs
  * are the unknowns and whose outputs have the rates (forms.c). Returns false if an operand is outside its domain.
- * Generated code (GALERKIN_LANES is defined there alone, by emit.c) may evaluate a small tape in registers. */
+ * Generated code (GALERKIN_LANES is defined there alone, by emit_steps.c) may evaluate a small tape in registers. */
 static inline bool galerkin_make_plain_pass(const galerkin_step *step, double *movement)
 {
 #ifdef GALERKIN_LANES
     if (GALERKIN_IS_SPLIT) {
         if (!galerkin_impulses_by_registers(&step->nodes)) return false;
-        *movement = move_unknowns(&step->nodes, NULL, GALERKIN_LANES);
+        *movement = move_unknowns_by_impulses(&step->nodes, NULL, GALERKIN_LANES);
         return true;
     }
 #endif
@@ -206,7 +212,7 @@ static inline double galerkin_set_increments(const galerkin_step *step, const tv
     tail.dp = increments->dp;
     nodes_sum_impulses(&step->nodes, &step->sum_weights, &tail.sums);
     if (step->is_separable)
-        nodes_set_drifting_increments(&step->nodes, &tail.sums, step->move, step->move_low, increments);
+        nodes_set_separable_increments(&step->nodes, &tail.sums, step->move, step->move_low, increments);
     else nodes_set_increments(&step->nodes, &tail.sums, increments);
     return step->nodes.node_count > 1 ? galerkin_compute_tail(&tail) : 0;
 }
@@ -236,9 +242,11 @@ static inline bool galerkin_add_step(int n, const tvi_run_request *run, const tv
 
 /* ---- Steps in a row ---------------------------------------------------------------------------------------------- */
 
-/* Makes steps of size step->h in a row from the origin, and adds them to `state`. h is in nodes.hb, nodes.scale and
- * nodes.m_over_h (set_step_size of galerkin.c). If `state` is NULL, makes a single step and adds
- * nothing. If outcome->equal_step_count is 0, the caller has set the unknowns of the first step. */
+/* Makes steps of size step->h in a row from the origin, and adds them to `state`. The size acts through nodes.hb,
+ * nodes.scale and nodes.m_over_h, which set_step_size of galerkin.c has set; run->h is the same number, and only
+ * tvi_step_ends_before_t_end reads it. galerkin_add_step also adds run->last_step_increments_out.dq[n], which is h, to
+ * the time state->q[n]. If `state` is NULL, makes a single step and adds nothing. If outcome->equal_step_count is 0,
+ * the caller has set the unknowns of the first step. */
 static inline void galerkin_make_steps(galerkin_step *step, const tvi_run_request *run, const tvi_step_origin *origin,
                                        const tvi_run_state *state, galerkin_outcome *outcome)
 {
@@ -249,7 +257,7 @@ static inline void galerkin_make_steps(galerkin_step *step, const tvi_run_reques
         const long before = outcome->counts.passes;
         double movement, tail = 0;
         step->nodes.impulse = galerkin_ring_at(step, outcome->ring_index + 1);
-        galerkin_set_drift(step, origin);
+        galerkin_set_free_motion(step, origin);
         if (outcome->equal_step_count > 0) galerkin_predict_from_ring(step, outcome);
         nodes_set_sizes(&step->nodes);
         outcome->status = galerkin_make_passes(step, origin, &convergence, &movement, &outcome->counts);
@@ -268,7 +276,9 @@ static inline void galerkin_make_steps(galerkin_step *step, const tvi_run_reques
     }
 }
 
-/* The entry point of generated code, which makes steps as galerkin_make_steps does. */
+/* The entry point of generated steps. The text that emit_steps.c writes defines a structure of this type with
+ * .make_steps = galerkin_make_generated_steps, the function of generated.h. It makes steps as galerkin_make_steps
+ * does. */
 typedef struct galerkin_generated_steps {
     void (*make_steps)(const galerkin_step *step, const tvi_run_request *run, const tvi_step_origin *origin,
                        const tvi_run_state *state, galerkin_outcome *outcome);

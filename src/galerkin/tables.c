@@ -29,7 +29,8 @@ static void set_legendre_coefficients(galerkin_polynomials *polynomials, int lan
     for (int j = 0; j < m; j++) {
         evaluate_legendre_polynomials(polynomials, m, node[j], P);
         for (int k = 0; k < m; k++)
-            polynomials->legendre[k * m + j] = polynomials->transposed[j * lanes + k] = (double)((2 * k + 1) * P[k]);
+            polynomials->legendre_factor[k * m + j] = polynomials->legendre_factor_by_node[j * lanes + k] =
+                (double)((2 * k + 1) * P[k]);
     }
 }
 
@@ -98,8 +99,8 @@ void tvi_galerkin_integrate(const galerkin_polynomials *polynomials, double s, d
     for (int j = 0; j < m; j++) single[j] = twice[j] = 0;
     for (int k = 0; k < m; k++)
         for (int j = 0; j < m; j++) {
-            single[j] += first[k] * polynomials->legendre[k * m + j];
-            twice[j] += second[k] * polynomials->legendre[k * m + j];
+            single[j] += first[k] * polynomials->legendre_factor[k * m + j];
+            twice[j] += second[k] * polynomials->legendre_factor[k * m + j];
         }
 }
 
@@ -110,8 +111,8 @@ void tvi_galerkin_allocate_tables(galerkin_coefficients *coefficients, galerkin_
 {
     const size_t width = (size_t)lanes, nodes = (size_t)node_count;
     polynomials->node_count = coefficients->node_count = node_count;
-    polynomials->legendre = tvi_arena_allocate_doubles(arena, nodes * nodes);
-    polynomials->transposed = tvi_arena_allocate_doubles(arena, nodes * width);
+    polynomials->legendre_factor = tvi_arena_allocate_doubles(arena, nodes * nodes);
+    polynomials->legendre_factor_by_node = tvi_arena_allocate_doubles(arena, nodes * width);
     polynomials->to_samples = tvi_arena_allocate_doubles(arena, width * TVI_SAMPLES);
     polynomials->twice_to_samples = tvi_arena_allocate_doubles(arena, width * TVI_SAMPLES);
     coefficients->lane_count = lanes;
@@ -153,7 +154,7 @@ static void set_sum_weights(galerkin_coefficients *coefficients, const galerkin_
     const int m = coefficients->node_count;
     for (int j = 0; j < m; j++) {
         coefficients->one_minus_c[j] = 1 - coefficients->c[j];
-        coefficients->last_term[j] = polynomials->transposed[j * coefficients->lane_count + m - 1];
+        coefficients->last_term[j] = polynomials->legendre_factor_by_node[j * coefficients->lane_count + m - 1];
     }
 }
 

@@ -7,13 +7,15 @@
 
 #include "algebra/arena.h"
 #include "galerkin/nodes.h"
+#include "method/stepper.h"
 
 /* The polynomials l_j(s) / b_j and their integrals, where l_j is 1 at node j of the Galerkin curve and 0 at all other
  * nodes. These integrals times the impulses h b_j F_j give the curve at any point of the step. */
 typedef struct {
     int node_count;
-    double *legendre;   /* [k][j] the factor of Legendre's polynomial P_k(2 s - 1) in l_j(s) / b_j */
-    double *transposed; /* [j][lanes] that, transposed: a row has the factors of P_0, P_1, .. for one node */
+    double *legendre_factor; /* [k][j] the factor of Legendre's polynomial P_k(2 s - 1) in l_j(s) / b_j */
+    /* [j][lanes] The same factors, a row for each node j: the factors of P_0, P_1, ... in l_j / b_j. */
+    double *legendre_factor_by_node;
     long double reciprocal[GALERKIN_MAX_LANES + 2];      /* [k] 1 / k */
     long double integral_factor[GALERKIN_MAX_LANES + 1]; /* [k] 1 / (4 k + 2) */
     /* [lanes][TVI_SAMPLES] The integrals and the double integrals of l_j / b_j from 0 to each sample of a step. */
@@ -27,17 +29,17 @@ void tvi_galerkin_integrate(const galerkin_polynomials *polynomials, double s, d
 
 typedef struct {
     int node_count, lane_count;
-    double *b, *c; /* [lanes] weights and nodes of the quadrature on [0, 1] */
-    double *nu;    /* [j][i] the matrix nu_ij: a_ij / b_j, or sum_k a_ik a_kj / b_j for a separable system */
-    /* [lanes] The weights of impulses in sums at the end of a step: 1 - c_j, and that of the last term of the rate's
-     * Legendre series. */
-    double *one_minus_c, *last_term;
+    double *b, *c;       /* [lanes] weights and nodes of the quadrature on [0, 1] */
+    double *nu;          /* [j][i] the matrix nu_ij: a_ij / b_j, or sum_k a_ik a_kj / b_j for a separable system */
+    double *one_minus_c; /* [lanes] 1 - c_j, the weight of an impulse in the increment of a separable system's q */
+    double *last_term;   /* [lanes] the weight of an impulse in the last term of the rate's Legendre series */
     long double exact_c[GALERKIN_MAX_LANES], exact_b[GALERKIN_MAX_LANES];
 } galerkin_coefficients;
 
 void tvi_galerkin_allocate_tables(galerkin_coefficients *coefficients, galerkin_polynomials *polynomials,
                                   tvi_arena *arena, int node_count, int lanes);
-/* Computes both, for Q'' = F if is_second_order is set, and for Q' = V, P' = F otherwise. */
+/* Computes the coefficients and the polynomials, for Q'' = F if is_second_order is set, and for Q' = V, P' = F
+ * otherwise. */
 void tvi_galerkin_compute_tables(galerkin_coefficients *coefficients, galerkin_polynomials *polynomials,
                                  bool is_second_order);
 

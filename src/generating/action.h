@@ -42,8 +42,8 @@ typedef struct tvi_action {
     /* [order_count][order_count] (j + k) e_{j+k-1} of the summation by parts, for the orders k of the position and j of
      * the momentum; NULL if all of them are 0 */
     double *by_parts;
-    const jet_tape *tape; /* of the field at the nodes; it has tangents if momenta must be found from velocities */
-    double *slots;        /* its block, with one lane for each node */
+    const jet_tape *tape; /* the field's tape at the nodes, with tangents if momenta must be found from velocities */
+    double *slots;        /* the block of the tape, with one lane for each node */
     double *Hp_slots;     /* the block of H_qp p and H_pp p; for truncated nodes of a Hamiltonian */
     double *P;            /* [p_degree + 1][n] the coefficients of the momentum */
     double *p, *dp_ds;    /* [n][nodes] the curve's momentum at the nodes, and its derivative by s */
@@ -52,7 +52,7 @@ typedef struct tvi_action {
     double *dp;       /* [n][nodes] the last correction of the momenta p_i that belong to velocities */
     double *H_pp;     /* [n][n][nodes] H_pp at the nodes, or its inverse */
     double *tangents; /* the block of the field's tangents in one direction, with one lane for each node */
-    tvi_roundoff_estimator roundoff; /* of the field at the nodes */
+    tvi_roundoff_estimator roundoff; /* an estimator of the roundoff of the field at the nodes */
 } tvi_action;
 
 /* The largest number of even orders or of odd orders of a curve, and of the nodes in a half, in whole vectors. */

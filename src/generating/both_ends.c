@@ -47,9 +47,8 @@ typedef struct {
     end_curve a, b;
     tvi_newton newton; /* The corrector. Its unknowns are v0, q1, v1, scaled as the z of the curves. */
     tvi_legendre_transform legendre;
-    tvi_series_sum a_q_at_end; /* q at the end of curve a, which predicts the coordinates in z of curve b. */
-    tvi_series_sum
-        a_v_at_end; /* tau v (p for a Hamiltonian) at the end of curve a, which predicts the rest of that z. */
+    tvi_series_sum a_q_at_end;   /* q at the end of curve a, which predicts the coordinates in z of curve b. */
+    tvi_series_sum a_v_at_end;   /* tau v (p for a Hamiltonian) at the end of curve a, which predicts the rest of it. */
     double *y, *v, *pi, *dpi_ds; /* [n][points] The blends y, v, pi and the derivative of pi at the nodes. */
     /* [n][points] The derivatives of the action by y_i and v_i at node i, and by the difference a - b there. If v is
      * the derivative of the blend, the action depends on a - b also through v. */

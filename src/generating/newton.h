@@ -40,7 +40,7 @@ typedef struct {
     tvi_stopping_rule unknown_rule, group_rule;
     int size;                         /* the number of unknowns */
     int group;                        /* the number of unknowns in one group; all unknowns of a group have one unit */
-    const tvi_subsystems *subsystems; /* of the components */
+    const tvi_subsystems *subsystems; /* the subsystems of the system, whose components are compared with one another */
     double *x, *correction, *scale;   /* [size] the unknowns, their last corrections and natural sizes */
     double *roundoff_scale;           /* the scale plus a multiple of the unknown's change by the residual's roundoff */
     double *trial_x, *trial_r;        /* [size] scratch */

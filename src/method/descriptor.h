@@ -105,8 +105,8 @@ typedef struct {
     tvi_action_kind action;
     /* true: the polynomial of p has the degree N, as that of q; false: it has the degree N - 1. */
     bool uses_highest_momentum_term;
-    tvi_end_equations equations;                             /* of the corrections of the ends */
-    tvi_curve_end_correction_factors end_correction_factors; /* by which their solution is added */
+    tvi_end_equations equations; /* The equations whose solution (x, y) gives the corrections of the ends. */
+    tvi_curve_end_correction_factors end_correction_factors; /* The factors of x and y in the corrections. */
     /* A step needs one more pass of Newton's method than the first two corrections suggest. The first pass reduces the
      * residual much more than later passes do, and does not show how fast the later passes converge. */
     bool needs_extra_newton_pass;

@@ -30,8 +30,8 @@ typedef struct {
 /* A place on a conic: chi, the time since the pericentre, and the change of this time per relative change of a and of
  * the element that says the place. */
 typedef struct {
-    const char *name; /* of the element that says it */
-    double value;     /* of this element */
+    const char *name; /* The name of the element that says it. */
+    double value;     /* The value of that element. */
     double chi, time, time_per_part;
 } place;
 

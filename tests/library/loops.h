@@ -11,8 +11,8 @@ typedef struct {
                                const double *L_v_change, const double *centre_V, double *V);
     double (*move)(const galerkin_nodes *nodes, const double *rates, const int slot[], double *moved);
     void (*sum_impulses)(const galerkin_nodes *nodes, const galerkin_sum_weights *weights, const galerkin_sums *sums);
-    void (*set_drifting_increments)(const galerkin_nodes *nodes, const galerkin_sums *sums, const double *move,
-                                    const double *move_low, const tvi_increments *to);
+    void (*set_separable_increments)(const galerkin_nodes *nodes, const galerkin_sums *sums, const double *move,
+                                     const double *move_low, const tvi_increments *to);
     double (*compute_tail)(const galerkin_tail *tail);
 } galerkin_loops;
 

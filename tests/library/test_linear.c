@@ -206,7 +206,7 @@ typedef struct {
 
 static node_matrix lanes_inverse_in(lanes_room *room, int n)
 {
-    return (node_matrix){.n = n, .matrix = room->lu, .inverse = room->inverse, .column = room->x};
+    return (node_matrix){.n = n, .matrix = room->lu, .inverse = room->inverse, .scratch_column = room->x};
 }
 
 static void put_lane(const node_matrix *f, int lanes, int lane, const double A[])

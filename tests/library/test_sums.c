@@ -109,7 +109,7 @@ START_TEST(increments_have_two_parts)
         for (int k = 0; k < 6 * UNKNOWNS; k++)
             of[k / UNKNOWNS][k % UNKNOWNS] =
                 (number_of(&bits) - 0.5) * (k / UNKNOWNS % 2 && k < 4 * UNKNOWNS ? 0x1p-54 : 1);
-        loops_of(isa, _i % LANE_COUNTS)->set_drifting_increments(&nodes, &sums, drift, drift_low, &to);
+        loops_of(isa, _i % LANE_COUNTS)->set_separable_increments(&nodes, &sums, drift, drift_low, &to);
         for (int u = 0; u < UNKNOWNS; u++) {
             const double rise = scale[u] * twice[u], rise_low = fma(scale[u], twice[u], -rise);
             const long double lacks = drift_low[u] + (rise_low + (long double)scale[u] * twice_low[u]);
@@ -165,8 +165,8 @@ static void add_errors(const galerkin_coefficients *a, const galerkin_nodes *nod
             for (int j = 0; j < a->node_count; j++)
                 of_impulses +=
                     (long double)a->nu[j * a->lane_count + i] * (nodes->hb[j] * force[u * a->lane_count + j]);
-            const long double way = nodes->drift_low[at] + nodes->scale[u] * of_impulses;
-            sample_add(errors, (double)((nodes->x[at] - nodes->drift[at]) - way) / DBL_EPSILON);
+            const long double way = nodes->free_motion_low[at] + nodes->scale[u] * of_impulses;
+            sample_add(errors, (double)((nodes->x[at] - nodes->free_motion[at]) - way) / DBL_EPSILON);
         }
 }
 
@@ -182,8 +182,8 @@ static sample errors_of(const galerkin_coefficients *a, const galerkin_loops *wi
                                   .moving_count = unknowns,
                                   .x = w.x,
                                   .start = w.start,
-                                  .drift = w.high,
-                                  .drift_low = w.base,
+                                  .free_motion = w.high,
+                                  .free_motion_low = w.base,
                                   .hb = w.weight,
                                   .impulse = w.impulse,
                                   .scale = w.scale,
