@@ -19,6 +19,7 @@ struct jet_graph {
     int first_library_node; /* Index of the first operation that the library records itself. */
     bool is_out_of_memory;  /* An operation could not be stored. All outputs are refused from then on. */
     int input_count, parameter_count, count, capacity;
+    int axes; /* The inputs come in vectors of so many components, as places of bodies do; 0: unknown. */
     /* Pointers to chunks of CHUNK nodes each. Nodes never move, so that jets may point to them. */
     struct jet_node **nodes;
     int table_size; /* Size of the hash table: a power of two greater than twice the number of nodes. */
@@ -84,6 +85,8 @@ jet jet_graph_input(const jet_graph *graph, int i) { return jet_from_node(jet_gr
 long jet_graph_hash_collision_count(const jet_graph *graph) { return graph->collision_count; }
 void jet_graph_end_recording(jet_graph *graph) { graph->is_open = false; }
 void jet_graph_set_output_name(jet_graph *graph, const char *name) { graph->output_name = name; }
+void jet_graph_set_axes(jet_graph *graph, int axes) { graph->axes = axes; }
+int jet_graph_axes(const jet_graph *graph) { return graph->axes; }
 void jet_graph_begin_library_nodes(jet_graph *graph, const char *name_for_messages)
 {
     graph->first_library_node = graph->count;

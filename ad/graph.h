@@ -104,6 +104,10 @@ jet_graph *jet_graph_create(int input_count);
 void jet_graph_end_recording(jet_graph *graph);
 /* Sets the name of the outputs in texts of refusals. The name must be static. */
 void jet_graph_set_output_name(jet_graph *graph, const char *name);
+/* Set and return the number of components of the vectors that the inputs come in, as places of bodies do; 0:
+ * unknown. */
+void jet_graph_set_axes(jet_graph *graph, int axes);
+int jet_graph_axes(const jet_graph *graph);
 /* Begins the operations that the library records itself, such as the energy of a Lagrangian, after those of the user.
  * Texts of refusals call them name_for_messages, which must be static. */
 void jet_graph_begin_library_nodes(jet_graph *graph, const char *name_for_messages);

@@ -342,6 +342,11 @@ typedef struct {
     double largest_tail;
     size_t bytes;     /* of memory held by the integrator */
     bool is_compiled; /* its steps run tvi_options.compiled */
+    /* The largest defect since the integrator was created or reset, also of a step that was refused: how far the forces
+     * on a body at the ends of a step are from the step's polynomial, relative to the largest force in it. It is
+     * computed by "galerkin" for the systems of tvi_bodies.h, where the tail is above 1e-3; above 0.28 a step is
+     * refused. */
+    double largest_defect;
 } tvi_stats;
 const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);
 

@@ -82,3 +82,31 @@ void tvi_galerkin_sample(void *self, const tvi_component_range used[2], const do
     evaluate_curve(work, used, TVI_SAMPLES, tvi_sample_theta, work->polynomials.to_samples,
                    work->polynomials.twice_to_samples, q_start, p_start, q, p);
 }
+
+/* The polynomial through the forces is sum_j l_j F_j, with h b_j F_j = L_j. Legendre's polynomials are 1 at the end of
+ * a step, and 1 or -1 at its start. */
+int tvi_galerkin_curve_forces(const void *self, double *forces)
+{
+    const galerkin_work *work = self;
+    const galerkin_step *step = &work->step;
+    const int nodes = step->nodes.node_count, lanes = step->nodes.lane_count, n = work->n;
+    const double *L = galerkin_ring_at(step, (int)work->predictor.history->ring_index);
+    for (int i = 0; i < n; i++) {
+        const double *row = L + (step->is_separable ? i : n + i) * lanes,
+                     sign = step->is_separable ? 1 : step->nodes.scale[n + i];
+        double *force = forces + i * TVI_FORCE_POINTS;
+        force[0] = force[1] = 0;
+        for (int j = 0; j < nodes; j++) {
+            double at_start = 0, at_end = 0;
+            for (int k = 0; k < nodes; k++) {
+                const double factor = work->polynomials.legendre_factor[k * nodes + j];
+                at_end += factor;
+                at_start += k % 2 ? -factor : factor;
+            }
+            force[0] += sign * at_start * row[j] / step->h;
+            force[1] += sign * at_end * row[j] / step->h;
+            force[2 + j] = sign * row[j] / step->nodes.hb[j];
+        }
+    }
+    return 2 + nodes;
+}

@@ -51,6 +51,9 @@ static void allocate_energy_memory(tvi_integrator *integrator, tvi_arena *arena)
         tvi_energy_allocate(&integrator->energy_work, arena, system);
     if (tvi_steps_K(integrator))
         tvi_energy_allocate_long_double(&integrator->rescaled_hamiltonian_work, arena, integrator->stepped);
+    if (system->axes > 0 && integrator->stepper->compute_curve_forces && integrator->options.max_tail >= 0)
+        integrator->curve_forces =
+            tvi_arena_allocate_doubles(arena, (size_t)integrator->stepped->n * (TVI_FORCE_POINTS + 1));
     integrator->field_block = tvi_arena_allocate_block(arena, integrator->stepped->field_values, 1, 1, 0);
 }
 

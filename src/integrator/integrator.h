@@ -79,6 +79,7 @@ struct tvi_integrator {
     tvi_run_state end;           /* the state at the end of the step, without low-order parts; scratch of guard.c */
     tvi_energy_work energy_work; /* memory to compute the energy; tape_block = NULL if unused */
     tvi_energy_work rescaled_hamiltonian_work; /* memory to compute the Hamiltonian K of a rescaled system */
+    double *curve_forces; /* [n][TVI_FORCE_POINTS + 1] memory of defect.c; NULL if the system is not of bodies */
     double *field_block;  /* memory to evaluate the forces, or the derivatives of L or H, at one point */
     tvi_tangent *tangent; /* memory for tangent vectors; NULL if they have not been used */
     void (*free_tangent)(tvi_tangent *tangent);

@@ -14,7 +14,7 @@ void tvi_integrator_reset(tvi_integrator *integrator)
     if (!integrator) return;
     *integrator->is_state_from_step = false;
     integrator->is_in_observer = false; /* which longjmp may have left */
-    integrator->stats.largest_tail = 0;
+    integrator->stats.largest_tail = integrator->stats.largest_defect = 0;
 }
 
 /* ---- The start of a run ------------------------------------------------------------------------------------------ */

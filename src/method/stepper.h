@@ -148,6 +148,8 @@ typedef struct {
     void (*emit_steps)(jet_text *text, const tvi_system *system, const tvi_options *options);
 } tvi_tapes_of_steps;
 
+enum { TVI_FORCE_POINTS = 2 + TVI_MAX_NODES };
+
 /* The functions that make the steps of one integrator. tvi_choose_stepper of method.c chooses the table by the method's
  * descriptor (descriptor.h). Each table stands at the end of its file:
  *     tvi_stepper_galerkin                       galerkin/galerkin.c
@@ -179,6 +181,9 @@ typedef struct {
      * each time. */
     void (*sample)(void *work, const tvi_component_range used[2], const double q_start[], const double p_start[],
                    double *q, double *p);
+    /* Computes forces [n][TVI_FORCE_POINTS], the derivatives p' of the last step's curve by the variable of the steps:
+     * at its start, at its end, and then at its nodes. Returns the number of points. NULL: the stepper has no nodes. */
+    int (*compute_curve_forces)(const void *work, double *forces);
     /* If the degree is more than 1, the errors of the state at the end of a step, and of its derivative by the step
      * size, are of the size of the squared tail. */
     bool is_superconvergent;

@@ -189,7 +189,7 @@ void tvi_ensemble_reset(tvi_ensemble *ensemble)
     memset(ensemble->histories, 0, members * ensemble->history_bytes);
     memset(ensemble->failure_status, 0, members * sizeof *ensemble->failure_status);
     for (size_t m = 0; m < members; m++) {
-        ensemble->records[m].stats.largest_tail = 0;
+        ensemble->records[m].stats.largest_tail = ensemble->records[m].stats.largest_defect = 0;
         ensemble->records[m].has_dense_output = false;
     }
     ensemble->has_run = false;
@@ -203,6 +203,7 @@ static void add_step_counts(tvi_stats *sum, const tvi_stats *stats)
     sum->force_evaluations += stats->force_evaluations;
     sum->factorisations += stats->factorisations;
     sum->largest_tail = fmax(sum->largest_tail, stats->largest_tail);
+    sum->largest_defect = fmax(sum->largest_defect, stats->largest_defect);
 }
 
 tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats)

@@ -114,11 +114,20 @@ static jet sum_over_pairs(const tvi_bodies *b, double k, const jet q[])
     return jet_add(sum, jet_sum(term, count));
 }
 
+/* Tells the guard of steps that the inputs are places of bodies (integrator/defect.c). */
+static void note_axes(const tvi_bodies *b, jet x)
+{
+    jet_graph *graph;
+    if (!jet_find_common_graph_or_poison(1, &x, &graph).node && graph) jet_graph_set_axes(graph, b->axes);
+}
+
 jet tvi_bodies_potential(const jet q[], jet t, void *ctx)
 {
     const tvi_bodies *b = ctx;
     (void)t;
-    return tvi_bodies_check(b) == TVI_OK ? sum_over_pairs(b, 0, q) : jet_const(NAN);
+    if (tvi_bodies_check(b) != TVI_OK) return jet_const(NAN);
+    note_axes(b, q[0]);
+    return sum_over_pairs(b, 0, q);
 }
 
 jet tvi_bodies_scale(const jet q[], const jet p[], jet t, void *ctx)
@@ -135,6 +144,7 @@ jet tvi_bodies_scale(const jet q[], const jet p[], jet t, void *ctx)
 jet tvi_bodies_field(const tvi_bodies *b, const jet at[], const jet x[])
 {
     if (tvi_bodies_check(b) != TVI_OK) return jet_const(NAN);
+    note_axes(b, x[0]);
     jet V = jet_const(0);
     for (int i = 0; i < b->bodies; i++)
         V = jet_add(V, pair(b, 0, G_of(b) * b->mass[i], i == b->oblate, x, at + i * b->axes));

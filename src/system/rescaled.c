@@ -220,6 +220,7 @@ static tvi_status finish_rescaled(tvi_system **out, const tvi_system *system, tv
     stepped->is_regular = false; /* K_ee = 0 */
     stepped->has_automatic_scale = is_automatic;
     stepped->has_tail_shares_without_momenta = system->has_masses;
+    stepped->axes = system->axes;
     const tvi_status status = tvi_system_copy(out, system);
     if (status == TVI_OK) (*out)->stepped_system = stepped;
     else tvi_system_free(stepped);

@@ -346,6 +346,8 @@ static tvi_status create_tapes(system_recording *recording, const system_stateme
     const int n = system->n, outputs = system->form == TVI_SEPARABLE ? n : 2 * n;
     const tvi_status status = jet_graph_check_outputs(system->graph, outputs, recording->field);
     if (status != TVI_OK) return status;
+    const int axes = statement->copied ? statement->copied->axes : jet_graph_axes(system->graph);
+    if (axes > 0 && n % axes == 0) system->axes = axes;
     jet_graph_end_recording(system->graph);
     system->input_count = outputs;
     system->field_series = jet_tape_create(system->graph, outputs, outputs, recording->field, JET_TAPE_SERIES);

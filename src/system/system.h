@@ -48,6 +48,7 @@ struct tvi_system {
     tvi_subsystems tail_subsystems;
     /* True if the matrix L_vv of the Lagrangian, or H_pp of the Hamiltonian, was found to be regular at some state. */
     bool is_regular;
+    int axes; /* The coordinates are places of bodies that attract each other, of so many axes each; 0: they are not. */
     bool has_automatic_scale; /* The time scale in K is the automatic one (automatic.c). */
     /* The finished recording. It is kept to recognise its jets, and to record the tangent system (ad/lift.c). */
     jet_graph *graph;

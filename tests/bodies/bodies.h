@@ -13,5 +13,6 @@ Suite *suite_attraction(void);
 Suite *suite_refused(void);
 Suite *suite_sums(void);
 Suite *suite_scales(void);
+Suite *suite_defect(void);
 
 #endif

@@ -3,6 +3,6 @@
 #include "problems/run_suites.h"
 
 static Suite *(*const suites[])(void) = {suite_orbits,  suite_elements, suite_places, suite_attraction,
-                                         suite_refused, suite_sums,     suite_scales};
+                                         suite_refused, suite_sums,     suite_scales, suite_defect};
 
 int main(void) { return RUN_SUITES(suites); }

@@ -50,6 +50,7 @@ class Stats(NamedTuple):
     largest_tail: float
     bytes: int
     is_compiled: bool
+    largest_defect: float
 
 
 def stats_of(stats: Any) -> Stats:

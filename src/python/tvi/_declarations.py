@@ -32,6 +32,7 @@ typedef struct {
     double residual, tail, largest_tail;
     size_t bytes;
     bool is_compiled;
+    double largest_defect;
 } tvi_stats;
 
 typedef int tvi_ensemble_observer(long step, int members, const double t[], const double q[], const double p[],
