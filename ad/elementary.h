@@ -157,9 +157,8 @@ JET_INLINE void jet_apply_in_any_range(jet_vector_function *vector_function, jet
 
 /* Computes the function for `count` numbers, all of which the caller has found to be in known_range. Nothing is tested
  * here: the vector function is used for all numbers. The range serves to fill up the last vector. */
-JET_INLINE void jet_apply_assuming_in_range(jet_vector_function *vector_function,
-                                            jet_argument_magnitude_range known_range, double exponent, int count,
-                                            const double *argument, double *result)
+JET_INLINE void jet_apply_in_known_range(jet_vector_function *vector_function, jet_argument_magnitude_range known_range,
+                                         double exponent, int count, const double *argument, double *result)
 {
     int here = 0;
     for (; here + JET_NATIVE <= count; here += JET_NATIVE)
@@ -193,7 +192,7 @@ JET_INLINE void jet_apply_assuming_in_range(jet_vector_function *vector_function
     JET_ALL_OF(name, near_zero, far_from_zero, 0, (int count, const double *argument, double *restrict result))        \
     {                                                                                                                  \
         if (jet_are_all_in_range(near_zero, count, argument))                                                          \
-            jet_apply_assuming_in_range(jet_vector_##name, near_zero, 0, count, argument, result);                     \
+            jet_apply_in_known_range(jet_vector_##name, near_zero, 0, count, argument, result);                        \
         else jet_any_range_##name(count, argument, result);                                                            \
     }
 JET_ELEMENTARY_LIST(JET_ALL)
@@ -216,7 +215,7 @@ JET_ALL_OF(pow, jet_sleef_pow_base_range(exponent), jet_nowhere, exponent,
 {
     const jet_argument_magnitude_range near_zero = jet_sleef_pow_base_range(exponent);
     if (jet_are_all_in_range(near_zero, count, argument))
-        jet_apply_assuming_in_range(jet_vector_pow, near_zero, exponent, count, argument, result);
+        jet_apply_in_known_range(jet_vector_pow, near_zero, exponent, count, argument, result);
     else jet_any_range_pow(exponent, count, argument, result);
 }
 

@@ -170,9 +170,8 @@ static void lower_graph_to_tape(graph_lowering *lowering, jet_tape *tape, int in
 {
     jet_assign_slots(lowering, input_count, output_count, output);
     lay_out_runs_and_constants(lowering, tape);
-    tape->library_operations_name =
-        jet_graph_library_nodes_name(lowering->graph, &tape->first_library_operation_number);
-    tape->first_library_operation_number += 1 - jet_graph_input_count(lowering->graph);
+    tape->library_operations_name = jet_graph_library_nodes_name(lowering->graph, &tape->first_library_op_number);
+    tape->first_library_op_number += 1 - jet_graph_input_count(lowering->graph);
     tape->slot_count = lowering->slot_count;
     tape->output_count = output_count;
     tape->used_node_count = lowering->used_node_count;

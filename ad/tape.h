@@ -76,7 +76,7 @@ typedef struct {
     const char *library_operations_name;
     /* The number, as in operation_number_of_slot, of the first operation that this library and not the user's function
      * recorded. A refusal names this operation and all later ones by library_operations_name. */
-    int first_library_operation_number;
+    int first_library_op_number;
 } jet_tape;
 
 /* Creates a tape that computes the outputs, which have passed jet_graph_check_outputs. The first `input_count` inputs

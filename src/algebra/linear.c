@@ -65,3 +65,20 @@ static void solve_with_factor(const tvi_lu_factor *factor, bool transposed, doub
 void tvi_factor_solve(const tvi_lu_factor *factor, double x[]) { solve_with_factor(factor, false, x); }
 
 void tvi_factor_solve_transposed(const tvi_lu_factor *factor, double x[]) { solve_with_factor(factor, true, x); }
+
+tvi_status tvi_factor_invert_lanes(tvi_lu_factor *factor, int lanes, const double matrix[], double inverse[],
+                                   double column[])
+{
+    const int n = factor->n;
+    for (int lane = 0; lane < lanes; lane++) {
+        for (int i = 0; i < n * n; i++) factor->lu[i] = matrix[i * lanes + lane];
+        const tvi_status status = tvi_factor_compute(factor);
+        if (status != TVI_OK) return status;
+        for (int j = 0; j < n; j++) {
+            for (int i = 0; i < n; i++) column[i] = i == j;
+            tvi_factor_solve(factor, column);
+            for (int i = 0; i < n; i++) inverse[(i * n + j) * lanes + lane] = column[i];
+        }
+    }
+    return TVI_OK;
+}

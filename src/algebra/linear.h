@@ -31,6 +31,12 @@ TVI_NODISCARD tvi_status tvi_factor_compute(tvi_lu_factor *factor);
  * column is about 1. */
 double tvi_factor_least_pivot(const tvi_lu_factor *factor);
 
+/* Inverts the matrices of `lanes` lanes, of which each element is a row: `matrix` and `inverse` are [n][n][lanes] and
+ * may be the same array, column [n] is scratch. Returns the status of tvi_factor_compute for the first matrix that it
+ * refuses. */
+TVI_NODISCARD tvi_status tvi_factor_invert_lanes(tvi_lu_factor *factor, int lanes, const double matrix[],
+                                                 double inverse[], double column[]);
+
 /* Compute x <- A^-1 x, and x <- A^-T x. As long as the pivots are on the diagonal, the result does not depend on the
  * units of the unknowns, and roundoff of a large unknown does not enter a small one. If rows with different units
  * were exchanged, the solution is refined, which removes that roundoff. */

@@ -17,9 +17,9 @@ typedef struct tvi_generated_code {
     /* The hash of the source text of tvi that is part of the code (tvi_compiled_hash_library_text). If the tvi of the
      * running program has another text, the code is not used. */
     uint64_t tvi_text_hash;
-    uint64_t system_hash; /* The hash of the system for which the code was made. The code serves for no other system. */
-    uint64_t options_hash; /* The hash of the options for which the code was made. The code serves for no others. */
-    jet_isa isa;           /* The instruction set for which the code was compiled. */
+    /* The hashes of the system and of the options for which the code was made. The code serves for no others. */
+    uint64_t system_hash, options_hash;
+    jet_isa isa; /* The instruction set for which the code was compiled. */
     /* The generated sweeps of each tape. If a pointer is NULL, the interpreter makes all sweeps of the tape. If a
      * function of the sweeps is NULL, the interpreter makes those sweeps. */
     const jet_sweeps *sweeps[TVI_CODE_TAPES];

@@ -117,8 +117,7 @@ static void write_source_text(jet_text *text, const tvi_system *stepped_system, 
         if (requests[i]->name_prefix) jet_emit_tape(text, tapes[i], requests[i]);
     if (uses.emit_steps) uses.emit_steps(text, stepped_system, resolved_options);
     emit_code_table_initialiser(text, requests, stepped_system, resolved_options);
-    if (uses.emit_steps) jet_text_append(text, "    .generated_steps = &tvi_generated_steps,\n");
-    jet_text_append(text, "};\n");
+    jet_text_append(text, "    .generated_steps = %s,\n};\n", uses.emit_steps ? "&tvi_generated_steps" : "0");
     jet_text_append(text,
                     "static const struct tvi_compiled tvi_this_compiled = {&tvi_this_code, 0, 0};\n#undef %s\n"
                     "extern const struct tvi_compiled *%s(void);\n"

@@ -235,17 +235,5 @@ void tvi_galerkin_set_form(galerkin_work *work)
 
 bool tvi_galerkin_invert_by_exchanges(const node_matrix *matrix, int lanes, void *lu_factor)
 {
-    tvi_lu_factor *factor = lu_factor;
-    const int n = matrix->n;
-    double *x = matrix->scratch_column;
-    for (int lane = 0; lane < lanes; lane++) {
-        for (int i = 0; i < n * n; i++) factor->lu[i] = matrix->matrix[i * lanes + lane];
-        if (tvi_factor_compute(factor) != TVI_OK) return false;
-        for (int column = 0; column < n; column++) {
-            for (int i = 0; i < n; i++) x[i] = i == column;
-            tvi_factor_solve(factor, x);
-            for (int i = 0; i < n; i++) matrix->inverse[(i * n + column) * lanes + lane] = x[i];
-        }
-    }
-    return true;
+    return tvi_factor_invert_lanes(lu_factor, lanes, matrix->matrix, matrix->inverse, matrix->scratch_column) == TVI_OK;
 }

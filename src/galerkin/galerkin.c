@@ -191,7 +191,8 @@ static tvi_status predict_without_equal_step(galerkin_work *work, const tvi_step
     step->nodes.impulse = galerkin_ring_at(step, (int)work->predictor.history->ring_index + 1);
     galerkin_set_free_motion(step, origin);
     if (elapsed) {
-        tvi_galerkin_predict_resized(work, *elapsed);
+        const galerkin_extrapolation by = tvi_galerkin_resize_last_step(work, *elapsed);
+        galerkin_predict(step, &by);
         return TVI_OK;
     }
     set_node_times(work, origin, 0);
@@ -200,8 +201,6 @@ static tvi_status predict_without_equal_step(galerkin_work *work, const tvi_step
 }
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
-
-void tvi_galerkin_predict(const galerkin_step *step, const galerkin_extrapolation *by) { galerkin_predict(step, by); }
 
 tvi_status tvi_galerkin_make_pass(const galerkin_step *step, double *movement, galerkin_counts *counts)
 {
@@ -297,13 +296,11 @@ static void emit_steps(jet_text *text, const tvi_system *system, const tvi_optio
 static tvi_tapes_of_steps list_tapes(const tvi_system *system, const tvi_options *options)
 {
     const int lanes = choose_lane_count(options->degree);
-    tvi_tapes_of_steps used = {
+    const char *hessian = system->hessian_values ? GALERKIN_HESSIAN_TAPE : NULL;
+    return (tvi_tapes_of_steps){
         .value_tape_emission = {.name_prefix = GALERKIN_VALUES_TAPE, .value_lane_counts = {lanes}},
+        .hessian_tape_emission = {.name_prefix = hessian, .value_lane_counts = {lanes}},
         .emit_steps = emit_steps};
-    if (system->hessian_values)
-        used.hessian_tape_emission =
-            (jet_emission_request){.name_prefix = GALERKIN_HESSIAN_TAPE, .value_lane_counts = {lanes}};
-    return used;
 }
 
 static bool is_history_valid(const void *self)

@@ -6,7 +6,6 @@
 
 #include "galerkin/steps.h"
 #include "galerkin/tables.h"
-#include "method/stepper.h"
 #include "system/legendre.h"
 #include "system/roundoff.h"
 
@@ -64,9 +63,8 @@ typedef struct {
 
 /* ---- galerkin.c -------------------------------------------------------------------------------------------------- */
 
-/* Two functions of steps.h for predictor.c and probe.c. Each file that calls a function of steps.h itself compiles its
- * loops once more; these two are compiled in galerkin.c alone. */
-void tvi_galerkin_predict(const galerkin_step *step, const galerkin_extrapolation *by);
+/* Makes a pass, for probe.c. A file that called galerkin_make_pass of steps.h itself would compile its loops once
+ * more. */
 tvi_status tvi_galerkin_make_pass(const galerkin_step *step, double *movement, galerkin_counts *counts);
 
 /* ---- dense.c: the curve at other points -------------------------------------------------------------------------- */
@@ -104,8 +102,8 @@ void tvi_galerkin_set_predictor(galerkin_work *work);
  * of the last step. It cannot in the first step of a run. *elapsed is the fraction of the last step at which the new
  * step begins: 1 for its end, 0 for its start. */
 bool tvi_galerkin_can_predict(const galerkin_work *work, double t, double *elapsed);
-/* Predicts the unknowns from the last step, which has another size or begins elsewhere. */
-void tvi_galerkin_predict_resized(galerkin_work *work, double elapsed);
+/* Returns the prediction from the last step, which has another size or begins elsewhere. */
+galerkin_extrapolation tvi_galerkin_resize_last_step(galerkin_work *work, double elapsed);
 
 /* ---- probe.c: the rules that end passes, and the roundoff of a pass (docs/method.md section 5) ------------------- */
 

@@ -14,6 +14,7 @@
 #define TVI_GALERKIN_LAGRANGIAN_PASS_H
 
 #include "galerkin/nodes.h"
+#include "tvi.h"
 
 #include <float.h>
 
@@ -210,13 +211,6 @@ static inline void lagrangian_predict(lagrangian_pass *pass, const galerkin_node
 
 /* ---- A pass ------------------------------------------------------------------------------------------------------ */
 
-typedef enum {
-    LAGRANGIAN_PASSED,
-    LAGRANGIAN_OUTSIDE_DOMAIN,
-    LAGRANGIAN_NONFINITE,
-    LAGRANGIAN_SINGULAR
-} lagrangian_result;
-
 /* The square of a relative movement that is only roundoff. A pass makes at least LAGRANGIAN_MIN_ITERATIONS iterations,
  * and ends when an iteration moves the unknowns by no more than this number. */
 #define LAGRANGIAN_ROUNDOFF_SQUARE (0.25 * DBL_EPSILON * DBL_EPSILON)
@@ -246,8 +240,9 @@ static inline bool lagrangian_evaluate(lagrangian_pass *pass, const galerkin_nod
     return block != NULL;
 }
 
-/* Inverts L_vv at each node, from the second derivatives in the block. */
-static inline lagrangian_result lagrangian_invert(lagrangian_pass *pass, int n, int lanes, const double *block)
+/* Inverts L_vv at each node, from the second derivatives in the block. Returns TVI_ENONFINITE or TVI_ESINGULAR if it
+ * fails. */
+static inline tvi_status lagrangian_invert(lagrangian_pass *pass, int n, int lanes, const double *block)
 {
     const size_t bytes = (size_t)(n * n * lanes) * sizeof *block;
     double *L_vv = pass->L_vv.matrix;
@@ -258,15 +253,15 @@ static inline lagrangian_result lagrangian_invert(lagrangian_pass *pass, int n, 
                 memcpy(L_vv + ((i - n) * n + pass->column[k] - n) * lanes, block + pass->slot[k] * lanes,
                        (size_t)lanes * sizeof *block);
     pass->inversions++;
-    if (nodes_invert(&pass->L_vv, lanes)) return LAGRANGIAN_PASSED;
+    if (nodes_invert(&pass->L_vv, lanes)) return TVI_OK;
     memmove(pass->by_exchanges->matrix, L_vv, bytes);
     if (pass->invert_by_exchanges(pass->by_exchanges, lanes, pass->L_vv_factor)) {
         memmove(pass->L_vv.inverse, pass->by_exchanges->inverse, bytes);
-        return LAGRANGIAN_PASSED;
+        return TVI_OK;
     }
     for (int k = pass->row_end[n - 1]; k < pass->row_end[2 * n - 1]; k++)
-        if (!tvi_all_finite(lanes, block + pass->slot[k] * lanes)) return LAGRANGIAN_NONFINITE;
-    return LAGRANGIAN_SINGULAR;
+        if (!tvi_all_finite(lanes, block + pass->slot[k] * lanes)) return TVI_ENONFINITE;
+    return TVI_ESINGULAR;
 }
 
 /* Sets start_minus_q to the exact difference of q at the start and Q*, in two parts. */
@@ -294,16 +289,17 @@ static inline void lagrangian_linearise(lagrangian_pass *pass, const galerkin_no
 }
 
 /* Makes a pass: moves P, V and Q in turn by the linearised gradient, until the movement is roundoff. The movement is
- * the sum of the squares of the relative changes of P and Q. */
-static inline lagrangian_result lagrangian_make_pass(lagrangian_pass *pass, const galerkin_nodes *nodes,
-                                                     const galerkin_field_at_nodes *field, const int rate_row[])
+ * the sum of the squares of the relative changes of P and Q. Returns TVI_EDOMAIN, TVI_ENONFINITE or TVI_ESINGULAR if
+ * it fails. */
+static inline tvi_status lagrangian_make_pass(lagrangian_pass *pass, const galerkin_nodes *nodes,
+                                              const galerkin_field_at_nodes *field, const int rate_row[])
 {
     const int n = nodes->n, lanes = nodes->lane_count, half = n * lanes, numbers = 2 * half;
     const bool is_new = !(pass->last_movement <= LAGRANGIAN_HESSIAN_MAX_MOVEMENT * numbers);
-    if (!lagrangian_evaluate(pass, nodes, field, is_new)) return LAGRANGIAN_OUTSIDE_DOMAIN;
+    if (!lagrangian_evaluate(pass, nodes, field, is_new)) return TVI_EDOMAIN;
     if (is_new) {
-        const lagrangian_result inverted = lagrangian_invert(pass, n, lanes, field->block[true]);
-        if (inverted != LAGRANGIAN_PASSED) return inverted;
+        const tvi_status inverted = lagrangian_invert(pass, n, lanes, field->block[true]);
+        if (inverted != TVI_OK) return inverted;
     }
     double moved = pass->last_movement = 0;
     lagrangian_set_start_minus_q(pass, nodes, field->block[false]);
@@ -315,7 +311,7 @@ static inline lagrangian_result lagrangian_make_pass(lagrangian_pass *pass, cons
                                  field->block[false] + half, nodes->x + 2 * half);
         pass->last_movement += moved += lagrangian_move_q(pass, nodes, rate_row);
     }
-    return LAGRANGIAN_PASSED;
+    return TVI_OK;
 }
 
 #endif

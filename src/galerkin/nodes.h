@@ -19,11 +19,6 @@
 #include "tape.h"
 #include "vector.h"
 
-#include <math.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <string.h>
-
 enum { GALERKIN_MAX_LANES = 12 };
 /* The number of steps whose impulses are stored: the last two steps and the current step. */
 enum { GALERKIN_RING_LENGTH = 3 };
@@ -166,14 +161,14 @@ JET_INLINE void predict_rows(const galerkin_nodes *given, const galerkin_extrapo
         node_table_of(only_last ? from.last_step_prediction_table : from.two_step_prediction_table, lanes);
     const node_table before = node_table_of(from.two_step_prediction_table + (only_last ? 0 : lanes * lanes), lanes);
     for (int u = 0; u < nodes->unknown_count; u++) {
-        const double *free = nodes->free_motion + u * lanes, *low = nodes->free_motion_low + u * lanes;
+        const double *high = nodes->free_motion + u * lanes, *low = nodes->free_motion_low + u * lanes;
         for (int first = 0; first < lanes / NODE_VEC; first += block) {
             node_vec sum[MAX_BLOCK][PARTIAL_SUMS] = {0};
             if (!only_last) add_products(sum, &before, from.impulse_before + u * lanes, first, block, lanes);
             add_products(sum, &last, from.last_impulse + u * lanes, first, block, lanes);
             for (int v = first; v < first + block; v++)
                 node_store(nodes->x + u * lanes, v,
-                           node_load(free, v) +
+                           node_load(high, v) +
                                (join_partial_sums(sum[v - first]) * nodes->scale[u] + node_load(low, v)));
         }
     }
@@ -233,14 +228,14 @@ JET_INLINE double move_unknowns_by_impulses(const galerkin_nodes *given, double 
     node_vec squares[MAX_VECTORS] = {0}, total = {0};
     for (int k = 0; k < all; k++) {
         const int u = k < moving ? k : k - moving + nodes->n;
-        const double *free = nodes->free_motion + u * lanes, *low = nodes->free_motion_low + u * lanes;
+        const double *high = nodes->free_motion + u * lanes, *low = nodes->free_motion_low + u * lanes;
         double *x = nodes->x + u * lanes;
         for (int first = 0; first < lanes / NODE_VEC; first += block) {
             node_vec sum[MAX_BLOCK][PARTIAL_SUMS] = {0};
             add_products(sum, &nu, nodes->impulse + u * lanes, first, block, lanes);
             for (int v = first; v < first + block; v++) {
                 const node_vec y = join_partial_sums(sum[v - first]) * nodes->scale[u] + node_load(low, v),
-                               next = node_load(free, v) + y;
+                               next = node_load(high, v) + y;
                 const node_vec change = (next - node_load(x, v)) * nodes->inverse_size[u];
                 squares[v] += change * change;
                 node_store(x, v, next);

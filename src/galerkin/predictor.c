@@ -74,7 +74,7 @@ static void set_resized_table(galerkin_work *work, double ratio, double elapsed)
         for (int i = 0; i < lanes; i++) predictor->resized_table[j * lanes + i] *= ratio * b[i];
 }
 
-void tvi_galerkin_predict_resized(galerkin_work *work, double elapsed)
+galerkin_extrapolation tvi_galerkin_resize_last_step(galerkin_work *work, double elapsed)
 {
     galerkin_predictor *predictor = &work->predictor;
     const galerkin_step *step = &work->step;
@@ -84,6 +84,6 @@ void tvi_galerkin_predict_resized(galerkin_work *work, double elapsed)
     set_resized_table(work, step->h / predictor->history->last_h, elapsed);
     tvi_galerkin_evaluate(&at, predictor->resized_table, galerkin_ring_at(step, (int)predictor->history->ring_index),
                           predictor->rates);
-    tvi_galerkin_predict(step, &(galerkin_extrapolation){work->predicted_by_impulse, work->predicted_by_impulse,
-                                                         predictor->rates, predictor->rates, true});
+    return (galerkin_extrapolation){work->predicted_by_impulse, work->predicted_by_impulse, predictor->rates,
+                                    predictor->rates, true};
 }

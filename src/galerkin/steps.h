@@ -16,7 +16,6 @@
 #include "galerkin/ends.h"
 #include "galerkin/hamiltonian_pass.h"
 #include "galerkin/lagrangian_pass.h"
-#include "tvi.h"
 
 /* The forms of the equations. GALERKIN_PLAIN: the rates are outputs of the tape, and passes are a fixed-point
  * iteration. The passes of the others use second derivatives. */
@@ -136,16 +135,12 @@ static inline bool galerkin_make_plain_pass(const galerkin_step *step, double *m
 /* Makes a pass: evaluates the field, moves the unknowns, and counts. */
 static inline tvi_status galerkin_make_pass(const galerkin_step *step, double *movement, galerkin_counts *counts)
 {
-    static const tvi_status status_of[] = {[LAGRANGIAN_PASSED] = TVI_OK,
-                                           [LAGRANGIAN_OUTSIDE_DOMAIN] = TVI_EDOMAIN,
-                                           [LAGRANGIAN_NONFINITE] = TVI_ENONFINITE,
-                                           [LAGRANGIAN_SINGULAR] = TVI_ESINGULAR};
     tvi_status status = TVI_OK;
     counts->evaluations += NODE_COUNT_OF(&step->nodes);
     if (step->form == GALERKIN_PLAIN) status = galerkin_make_plain_pass(step, movement) ? TVI_OK : TVI_EDOMAIN;
     else if (step->form == GALERKIN_LAGRANGIAN) {
         const long before = step->lagrangian->inversions;
-        status = status_of[lagrangian_make_pass(step->lagrangian, &step->nodes, &step->field, step->rate_row)];
+        status = lagrangian_make_pass(step->lagrangian, &step->nodes, &step->field, step->rate_row);
         counts->factorisations += (step->lagrangian->inversions - before) * NODE_COUNT_OF(&step->nodes);
         *movement = step->lagrangian->last_movement;
     } else {
@@ -243,9 +238,9 @@ static inline bool galerkin_add_step(int n, const tvi_run_request *run, const tv
 /* ---- Steps in a row ---------------------------------------------------------------------------------------------- */
 
 /* Makes steps of size step->h in a row from the origin, and adds them to `state`. The size acts through nodes.hb,
- * nodes.scale and nodes.m_over_h, which set_step_size of galerkin.c has set; run->h is the same number, and only
- * tvi_step_ends_before_t_end reads it. galerkin_add_step also adds run->last_step_increments_out.dq[n], which is h, to
- * the time state->q[n]. If `state` is NULL, makes a single step and adds nothing. If outcome->equal_step_count is 0,
+ * nodes.scale and nodes.m_over_h, which set_step_size of galerkin.c has set; run->h is the same number, which only
+ * tvi_step_ends_before_t_end reads here. galerkin_add_step also adds run->last_step_increments_out.dq[n], which is h,
+ * to the time state->q[n]. If `state` is NULL, makes a single step and adds nothing. If outcome->equal_step_count is 0,
  * the caller has set the unknowns of the first step. */
 static inline void galerkin_make_steps(galerkin_step *step, const tvi_run_request *run, const tvi_step_origin *origin,
                                        const tvi_run_state *state, galerkin_outcome *outcome)

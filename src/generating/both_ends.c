@@ -27,10 +27,10 @@ typedef struct {
     double sign;   /* The scaled time of the other end, and the sign of the curve in a - b: 1 for a, -1 for b. */
     double *blend; /* [points] The weight of the curve in y at each node: 1 - s for a, s for b. */
     double *P;     /* [degree][n] The coefficients of the momentum. */
-    tvi_series_sum q_rise;   /* q at the other end of the step less q at the curve's own end. */
-    tvi_series_sum u_start;  /* U_0, the scaled momentum at the curve's own end. */
-    tvi_series_sum dense_q;  /* The increment of q from the curve's own end to one point of dense output. */
-    tvi_series_sum dense_u;  /* The increment of u from the curve's own end to one point of dense output. */
+    tvi_series_sum q_rise;  /* q at the other end of the step less q at the curve's own end. */
+    tvi_series_sum u_start; /* U_0, the scaled momentum at the curve's own end. */
+    /* The increments of q and u from the curve's own end to one point of dense output. */
+    tvi_series_sum dense_q, dense_u;
     double *seed_Q;          /* [degree + 1][n] The derivatives of the action by the coefficients Q_k. */
     double *R;               /* [2n] The parts R_q and R_v of the gradient R by the curve's z. */
     double *q_rise_jacobian; /* [n][2n] The Jacobian of q_rise by z: (A0 - I, B0) for a, (A1 - I, B1) for b. */
@@ -47,8 +47,8 @@ typedef struct {
     end_curve a, b;
     tvi_newton newton; /* The corrector. Its unknowns are v0, q1, v1, scaled as the z of the curves. */
     tvi_legendre_transform legendre;
-    tvi_series_sum a_q_at_end;   /* q at the end of curve a, which predicts the coordinates in z of curve b. */
-    tvi_series_sum a_v_at_end;   /* tau v (p for a Hamiltonian) at the end of curve a, which predicts the rest of it. */
+    /* q, and tau v (p for a Hamiltonian), at the end of curve a, which predict z of curve b. */
+    tvi_series_sum a_q_at_end, a_v_at_end;
     double *y, *v, *pi, *dpi_ds; /* [n][points] The blends y, v, pi and the derivative of pi at the nodes. */
     /* [n][points] The derivatives of the action by y_i and v_i at node i, and by the difference a - b there. If v is
      * the derivative of the blend, the action depends on a - b also through v. */

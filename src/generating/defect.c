@@ -12,7 +12,6 @@
  * An error of q and p of the size that the tolerance allows changes the energy by at most
  *     tolerance * sum_i (p_largest |q_i'| + q_largest |p_i'|) / h. */
 #include "generating/step.h"
-#include "algebra/sizes.h"
 #include "sums.h"
 
 #include <float.h>

@@ -4,7 +4,6 @@
  * calls it. */
 #include "generating/action.h"
 #include "algebra/passes.h"
-#include "algebra/sizes.h"
 #include "sums.h"
 
 #include <float.h>
@@ -24,7 +23,7 @@
 static tvi_status invert_H_pp(const tvi_action *action, tvi_curve *curve)
 {
     const int n = curve->n, nodes = action->nodes;
-    double *H_pp = action->H_pp, *column = curve->column;
+    double *H_pp = action->H_pp;
     for (int j = 0; j < n; j++) {
         double *direction = action->tangents + (n + j) * nodes;
         for (int node = 0; node < nodes; node++) direction[node] = 1;
@@ -34,17 +33,7 @@ static tvi_status invert_H_pp(const tvi_action *action, tvi_curve *curve)
                    (size_t)nodes * sizeof *H_pp);
         for (int node = 0; node < nodes; node++) direction[node] = 0;
     }
-    for (int node = 0; node < nodes; node++) {
-        for (int i = 0; i < n * n; i++) curve->L_vv.lu[i] = H_pp[i * nodes + node];
-        const tvi_status status = tvi_factor_compute(&curve->L_vv);
-        if (status != TVI_OK) return status;
-        for (int j = 0; j < n; j++) {
-            for (int i = 0; i < n; i++) column[i] = i == j;
-            tvi_factor_solve(&curve->L_vv, column);
-            for (int i = 0; i < n; i++) H_pp[(i * n + j) * nodes + node] = column[i];
-        }
-    }
-    return TVI_OK;
+    return tvi_factor_invert_lanes(&curve->L_vv, nodes, H_pp, H_pp, curve->column);
 }
 
 /* Computes the corrections dp = H_pp^-1 (v - H_p), and returns the largest. The velocities are in by_v. */

@@ -3,7 +3,6 @@
  * correction divided by that of the correction before it, and its growth the factor by which the ratio grows from one
  * pass to the next. */
 #include "generating/newton.h"
-#include "algebra/sizes.h"
 #include "method/stepper.h"
 
 #include <float.h>
@@ -64,11 +63,10 @@ static void raise_small_scales(const tvi_newton *newton, int begin, int end)
 /* Computes the scales of the unknowns. The first call sets them to the natural sizes at the prediction. A later call
  * follows a correction that has moved an unknown by about its scale (NEWTON_SAME_SCALE), so that the size at the
  * prediction was a poor guess of the size of the solution. Such a call replaces a scale by the natural size at the new
- * point if that is smaller, and sets *has_scale_decreased. It does not replace a scale by a larger size: if the series
+ * point if that is smaller, and sets *scale_fell. It does not replace a scale by a larger size: if the series
  * diverge, their terms can have any size, and corrections relative to that size would seem small. The function fails if
  * a size is not finite, because each correction relative to it would be 0. */
-static tvi_status compute_scales(tvi_newton *newton, const tvi_equations *equations, bool is_first,
-                                 bool *has_scale_decreased)
+static tvi_status compute_scales(tvi_newton *newton, const tvi_equations *equations, bool is_first, bool *scale_fell)
 {
     const tvi_subsystems *subsystems = newton->subsystems;
     double *sizes = is_first ? newton->scale : newton->trial_x;
@@ -77,7 +75,7 @@ static tvi_status compute_scales(tvi_newton *newton, const tvi_equations *equati
     for (int i = 0; i < newton->size; i++)
         if (sizes[i] > 0 && sizes[i] < newton->scale[i]) {
             newton->scale[i] = sizes[i];
-            *has_scale_decreased = true;
+            *scale_fell = true;
         }
     for (int k = 0, begin = 0, end; k < subsystems->count; k++, begin = end) {
         end = tvi_subsystems_end(subsystems, k, newton->group);
@@ -298,14 +296,13 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
     for (int count = 1; count <= newton->unknown_rule.max_passes; count++) {
         refreshes += is_stuck;
         newton->is_by_differences = newton->has_jacobian && refreshes > 0;
-        bool has_scale_decreased = false;
+        bool scale_fell = false;
         tvi_status status = equations->residual(equations->self, newton->x, newton->correction);
-        if (status == TVI_OK && needs_scales)
-            status = compute_scales(newton, equations, count == 1, &has_scale_decreased);
+        if (status == TVI_OK && needs_scales) status = compute_scales(newton, equations, count == 1, &scale_fell);
         if (status == TVI_OK) status = compute_correction(newton, equations, newton->has_jacobian && is_stuck, stats);
         if (status != TVI_OK) return status;
         /* A correction of roundoff may be as large as a small scale, and make it fall for ever. */
-        if (has_scale_decreased && restarts++ < NEWTON_MAX_REFRESHES) forget_sizes(&record, &newton->unknown_rule);
+        if (scale_fell && restarts++ < NEWTON_MAX_REFRESHES) forget_sizes(&record, &newton->unknown_rule);
         const correction_sizes sizes = measure_corrections(newton, newton->scale);
         stats->residual = sizes.largest_of_unknowns;
         tvi_passes_verdict verdict = judge_pass(&record, newton, &sizes);

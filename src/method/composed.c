@@ -2,7 +2,6 @@
  * composition is symmetric for every method (docs/method.md, section 4). It is the stepper (stepper.h) for options
  * with compose_adjoint. */
 #include "method/method.h"
-#include "system/system.h"
 
 #include <math.h>
 

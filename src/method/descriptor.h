@@ -4,6 +4,7 @@
 #define TVI_SRC_METHOD_DESCRIPTOR_H
 
 #include "method/stepper.h"
+#include "system/system.h"
 
 /* ---- Taylor curves: ends, equations of the generating function, factors (docs/method.md section 4) --------------- */
 

@@ -3,7 +3,6 @@
 #include "algebra/quadrature.h"
 #include "method/list.h"
 #include "system/refuse.h"
-#include "system/system.h"
 
 #include <math.h>
 #include <string.h>

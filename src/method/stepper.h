@@ -5,7 +5,6 @@
 #define TVI_SRC_METHOD_STEPPER_H
 
 #include "algebra/passes.h"
-#include "algebra/sizes.h"
 #include "emit.h"
 #include "tvi.h"
 

@@ -2,7 +2,6 @@
  * coordinates by a step of these momenta, and the momenta by half a step of the forces at the end. */
 #include "method/list.h"
 #include "method/stepper.h"
-#include "system/system.h"
 
 #include <math.h>
 #include <string.h>
