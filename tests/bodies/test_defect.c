@@ -1,6 +1,6 @@
-/* test_defect.c - Tests the defect of steps of bodies: that a planet of one star of a pair, whose energy is a small part
- * of that of all, is refused where its step leads to another orbit, and accepted where it is right; that neither mass
- * nor axes change that; and what the counts say. */
+/* test_defect.c - Tests the defect of steps of bodies: that a planet of one star of a pair, whose energy is a small
+ * part of that of all, is refused where its step leads to another orbit, and accepted where it is right; that neither
+ * mass nor axes change that; and what the counts say. */
 #include "bodies.h"
 #include "problems/random.h"
 
