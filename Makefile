@@ -24,6 +24,7 @@
 # make tails      its table of tvi_stats.tail: right and wrong steps
 # make suggest    its table of tvi_suggest_step: what runs with the suggested steps reach
 # make tolerance  runs to a tolerance through forces of all widths, beside SciPy's DOP853
+# make light      light bodies beside heavy ones in every kind of steps: which are right, refused, or warned of
 # make performance   the tables and the picture of docs/performance.md, those of compiled.md and ensembles.md, five
 #                 minutes
 # make peers REBOUND=DIR HEYOKA=DIR   error against time beside REBOUND and heyoka, which you have built; either may be

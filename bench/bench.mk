@@ -42,6 +42,14 @@ tolerance: need-library all
 	@cat $(BUILD)/bench/tolerance/tolerance.md
 .PHONY: tolerance
 
+# light bodies beside heavy ones in every kind of steps: which are right, refused, or warned of
+light: need-library all
+	$(call need,$(foreach package,numpy cffi matplotlib,'python3-$(package):$(HAS_PYTHON)'))
+	@mkdir -p $(BUILD)/bench/light
+	$(PYTHON_HERE) /usr/bin/python3 bench/light/light.py $(BUILD)/bench/light/light.md
+	@cat $(BUILD)/bench/light/light.md
+.PHONY: light
+
 # the table and the picture of docs/order-doubling.md
 order-doubling: need-bench
 	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/bench/order_doubling/order_doubling
