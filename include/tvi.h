@@ -42,8 +42,8 @@ const char *tvi_version(void);
 const char *tvi_status_string(tvi_status status);
 /* The text of the last refusal in this thread: which argument, output, mass or option was refused, or which operation
  * of the recording with which operand. It belongs to the last function that returned neither TVI_OK nor TVI_ESTOPPED,
- * and has to be asked for before another function is called. It is "" before the first refusal, and never NULL. The
- * text is for people, and may change. */
+ * or to tvi_state_from_text, and has to be asked for before another function is called. It is "" before the first
+ * refusal, and never NULL. The text is for people, and may change. */
 const char *tvi_last_error(void);
 
 /* TVI_OR_EXIT(call) is for programs that end where anything is refused, such as the examples: there it prints the file,
@@ -269,9 +269,9 @@ void tvi_integrator_free(tvi_integrator *integrator);                        /* 
 const tvi_options *tvi_integrator_options(const tvi_integrator *integrator); /* resolved: degree, points */
 
 /* Sets the integrator's own values of the parameters of its system, value[tvi_system_parameters] in the order of their
- * indices. Before, they are those of the recording. tvi_state_save keeps them. A run goes on with new values as from a
- * new state. They may be set between any two steps; nothing is allocated. Events with a parameter of the same index get
- * the value, too.
+ * indices. Before, they are those of the recording. tvi_state_to_text keeps them. A run goes on with new values as from
+ * a new state. They may be set between any two steps; nothing is allocated. Events with a parameter of the same index
+ * get the value, too.
  *   TVI_EINVAL      NULL
  *   TVI_ENONFINITE  a value that is not finite; the old ones stay */
 TVI_NODISCARD tvi_status tvi_integrator_set_parameters(tvi_integrator *integrator, const double value[]);
@@ -369,41 +369,40 @@ TVI_NODISCARD tvi_status tvi_step_tangent(tvi_integrator *integrator, double h, 
 
 /* ---- Saved states ------------------------------------------------------------------------------------------------ */
 
-/* Save and load all that an integrator holds between steps, as bytes to keep. A run that goes on from them in another
- * integrator, of the same system and options, is bit for bit the run that was not interrupted, its counts included. The
- * bytes serve the version of the library, the machine and the instruction set that wrote them (docs/roundoff.md).
- * Save: *size is the size of the buffer, and then the number of bytes written; a buffer of NULL asks for that number.
- *   TVI_EINVAL      NULL, a buffer that is too small
- * Load: tvi_dense has no last step until the next one is made.
- *   TVI_EINVAL      NULL, and bytes that are damaged, of another size, or of another version, method or system */
-TVI_NODISCARD tvi_status tvi_state_save(const tvi_integrator *integrator, void *buffer, size_t *size);
-TVI_NODISCARD tvi_status tvi_state_load(tvi_integrator *integrator, const void *buffer, size_t size);
-/* Reads the bytes without an integrator: the dimension n of the system, and t, q[n] and p[n] as tvi_state_last gives
- * them. t, q and p may be NULL, so that n can be asked for first.
- *   TVI_EINVAL      NULL, bytes that are damaged, no state or of another version; t, q or p of a state before a step */
-TVI_NODISCARD tvi_status tvi_state_peek(const void *buffer, size_t size, int *n, double *t, double q[], double p[]);
-/* Returns the t, q[n] and p[n] of the last successful step, from which the run goes on; also after a load.
- *   TVI_EINVAL  before a step and after a reset; NULL */
-TVI_NODISCARD tvi_status tvi_state_last(const tvi_integrator *integrator, double *t, double q[], double p[]);
-
-/* Give and take the state (t, q, p) as text that every version from this one on, every machine and instruction set and
- * every method reads, some 50 characters a number (docs/roundoff.md): with the low-order parts that the integrator has
- * of it where its last step returned it, and with its parameters. A run goes on from it to roundoff, not bit for bit:
- * the history of the steps is not in it, nor which event ended the run there.
- * tvi_state_to_text takes text and *size as the buffer and *size of tvi_state_save; it ends with a new line and no 0.
+/* Give and take the state (t, q, p) of an integrator as text (docs/roundoff.md). A text has two parts:
+ *   - t, q and p, with the low-order parts that the integrator has of them where its last step returned them, the
+ *     values of parameters, and the events that stopped the run there. Every version from this one on, every machine,
+ *     instruction set and method reads this part, and a run goes on from it to roundoff.
+ *   - the history of the steps and the counts, for the system, options, instruction set and version that wrote it. They
+ *     go on from it bit for bit as if the run had not been interrupted; for others it is dropped. A state that is not
+ *     what the last step returned has none.
+ * The size of a text depends on the system, its parameters and the options alone, and can be asked for before a run.
+ *
+ * tvi_state_to_text: *size is the size of the buffer `text`, and then the number of characters written; text NULL asks
+ * for that number. The text ends with a new line and no 0.
  *   TVI_EINVAL      NULL, a buffer that is too small
  *   TVI_ENONFINITE  a state that is not finite
  *   TVI_ENOMEM      no memory
  * tvi_state_from_text sets t, q and p, from which steps go on, and the parameters. The system has to be that of the
- * text, of which only n and the number of parameters can be seen; counts go on as they were.
- *   TVI_EINVAL      NULL; what is no such text, is damaged or cut short, or of another n or number of parameters; a
- *                   call from an observer
+ * text, of which only n and the number of parameters can be seen. Texts of earlier versions are read, their bytes
+ * (tvi_state_save) are not. tvi_dense has no last step until the next one is made.
+ *   TVI_OK          tvi_last_error is then "", or says that a history was dropped; the counts go on as they were
+ *   TVI_EINVAL      NULL; what is no such text, is damaged or cut short, or of another n or number of parameters;
+ *                   numbers that no run leaves; a call from an observer
  *   TVI_ENOMEM      no memory
  *   others          of a rescaled system, as of tvi_energy */
 TVI_NODISCARD tvi_status tvi_state_to_text(const tvi_integrator *integrator, double t, const double q[],
                                            const double p[], char *text, size_t *size);
 TVI_NODISCARD tvi_status tvi_state_from_text(tvi_integrator *integrator, const char *text, size_t size, double *t,
                                              double q[], double p[]);
+/* Reads a text without an integrator: the dimension n of the system, t, q[n] and p[n]. t, q and p may be NULL, so that
+ * n can be asked for first.
+ *   TVI_EINVAL  NULL, what is no such text, is damaged or cut short
+ *   TVI_ENOMEM  no memory */
+TVI_NODISCARD tvi_status tvi_state_peek(const char *text, size_t size, int *n, double *t, double q[], double p[]);
+/* Returns the t, q[n] and p[n] of the last successful step, from which the run goes on; also after its text was read.
+ *   TVI_EINVAL  before a step and after a reset; NULL */
+TVI_NODISCARD tvi_status tvi_state_last(const tvi_integrator *integrator, double *t, double q[], double p[]);
 
 #ifdef __cplusplus
 }

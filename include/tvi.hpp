@@ -46,14 +46,14 @@ inline void check(tvi_status status)
     if (status != TVI_OK) throw error(status, tvi_last_error());
 }
 
-/* The bytes that save(buffer, &size) makes. */
-template <class Bytes, class Save> Bytes bytes_of(Save save)
+/* The text that write(buffer, &size) makes. */
+template <class Write> std::string text_of(Write write)
 {
     std::size_t size = 0;
-    check(save(nullptr, &size));
-    Bytes bytes(size, '\0');
-    check(save(&bytes[0], &size));
-    return bytes;
+    check(write(nullptr, &size));
+    std::string text(size, '\0');
+    check(write(&text[0], &size));
+    return text;
 }
 
 /* Returns the numbers of a vector, which must have n of them. */
@@ -574,12 +574,20 @@ class integrator
         return detail::ended(status);
     }
 
-    std::vector<char> save() const
+    /* The text of the last step's state (tvi_state_to_text), and its reading; `last` returns what was read. */
+    std::string save() const
     {
-        return detail::bytes_of<std::vector<char>>(
-            [&](char *to, std::size_t *size) { return tvi_state_save(get(), to, size); });
+        double t = 0;
+        std::vector<double> q(size()), p(size());
+        last(t, q, p);
+        return to_text(t, q, p);
     }
-    void load(const std::vector<char> &state) { detail::check(tvi_state_load(get(), state.data(), state.size())); }
+    void load(const std::string &text)
+    {
+        double t = 0;
+        std::vector<double> q(size()), p(size());
+        from_text(text, t, q, p);
+    }
     template <class Q, class P> void last(double &t, Q &q, P &p) const
     {
         detail::check(tvi_state_last(get(), &t, of("q", q), of("p", p)));
@@ -587,7 +595,7 @@ class integrator
     template <class Q, class P> std::string to_text(double t, const Q &q, const P &p) const
     {
         const double *const q_of = of("q", q), *const p_of = of("p", p);
-        return detail::bytes_of<std::string>(
+        return detail::text_of(
             [&](char *to, std::size_t *size) { return tvi_state_to_text(get(), t, q_of, p_of, to, size); });
     }
     template <class Q, class P> void from_text(const std::string &text, double &t, Q &q, P &p)
@@ -722,12 +730,31 @@ class ensemble
         return go(all.in(plan), t, q, p, status, all);
     }
 
-    std::vector<char> save() const
+    /* The texts of all members after their last run, one after the other, and their reading. Members that have failed
+     * are tried again. */
+    std::string save() const
     {
-        return detail::bytes_of<std::vector<char>>(
-            [&](char *to, std::size_t *size) { return tvi_ensemble_save(get(), to, size); });
+        const std::size_t count = static_cast<std::size_t>(members_), numbers = count * static_cast<std::size_t>(n());
+        std::vector<double> t(count), q(numbers), p(numbers);
+        std::vector<tvi_status> status;
+        std::string texts;
+        last(t, q, p, status);
+        for (int m = 0; m < members_; m++) texts += member_to_text(m, t, q, p);
+        return texts;
     }
-    void load(const std::vector<char> &state) { detail::check(tvi_ensemble_load(get(), state.data(), state.size())); }
+    void load(const std::string &texts)
+    {
+        const std::size_t count = static_cast<std::size_t>(members_), numbers = count * static_cast<std::size_t>(n());
+        const std::size_t each = texts.size() / count;
+        std::vector<double> t(count), q(numbers), p(numbers);
+        std::vector<std::string> text(count);
+        int dimension = 0;
+        for (std::size_t m = 0; m < count; m++) {
+            text[m] = texts.substr(m * each, m + 1 < count ? each : std::string::npos);
+            detail::check(tvi_state_peek(text[m].data(), text[m].size(), &dimension, nullptr, nullptr, nullptr));
+        }
+        for (int m = 0; m < members_; m++) member_from_text(m, text[static_cast<std::size_t>(m)], t, q, p);
+    }
     template <class T, class Q, class P> void last(T &t, Q &q, P &p, std::vector<tvi_status> &status) const
     {
         status.resize(static_cast<std::size_t>(members_));
@@ -737,7 +764,7 @@ class ensemble
     std::string member_to_text(int member, const T &t, const Q &q, const P &p) const
     {
         const double *const t_of = of("t", 1, t), *const q_of = of("q", n(), q), *const p_of = of("p", n(), p);
-        return detail::bytes_of<std::string>([&](char *to, std::size_t *size) {
+        return detail::text_of([&](char *to, std::size_t *size) {
             return tvi_ensemble_member_to_text(get(), member, t_of, q_of, p_of, to, size);
         });
     }

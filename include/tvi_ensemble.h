@@ -62,22 +62,19 @@ TVI_NODISCARD tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_ense
  *   TVI_EINVAL  NULL, an observer of a member calls it */
 TVI_NODISCARD tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats);
 
-/* Save and load all that the members hold between runs, as tvi_state_save and tvi_state_load do. The ensemble needs as
- * many members, and may have any number of threads. */
-TVI_NODISCARD tvi_status tvi_ensemble_save(const tvi_ensemble *ensemble, void *buffer, size_t *size);
-TVI_NODISCARD tvi_status tvi_ensemble_load(tvi_ensemble *ensemble, const void *buffer, size_t size);
-/* Returns the states that the runs go on from, also after a load, and the status of each member.
- *   TVI_EINVAL  NULL, before the first run */
-TVI_NODISCARD tvi_status tvi_ensemble_last(const tvi_ensemble *ensemble, double t[], double q[], double p[],
-                                           tvi_status status[]);
-
 /* These do for one member what tvi_state_to_text and tvi_state_from_text do: t[member], column `member` of q and p, and
- * its parameters. The text is that of an integrator, and either reads it. A member that has failed goes on from it.
+ * its parameters. The text is that of an integrator, and either reads it; all members have texts of one size. A member
+ * that has failed goes on from it.
  *   TVI_EINVAL  also no such member, and a call from an observer of a member, during which the ensemble holds none */
 TVI_NODISCARD tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *ensemble, int member, const double t[],
                                                      const double q[], const double p[], char *text, size_t *size);
 TVI_NODISCARD tvi_status tvi_ensemble_member_from_text(tvi_ensemble *ensemble, int member, const char *text,
                                                        size_t size, double t[], double q[], double p[]);
+/* Returns the states that the runs go on from, also after texts were read, and the status of each member. Members that
+ * have neither run nor been read have zeros.
+ *   TVI_EINVAL  NULL, before the first run or text */
+TVI_NODISCARD tvi_status tvi_ensemble_last(const tvi_ensemble *ensemble, double t[], double q[], double p[],
+                                           tvi_status status[]);
 
 #ifdef __cplusplus
 }

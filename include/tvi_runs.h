@@ -25,9 +25,9 @@ extern "C" {
  * An event is where g reaches 0 or changes its sign, at a time in (t0, t_end] of the run; a point where g leaves 0 is
  * none. A touch of 0 that the search sees is one event, in the direction towards 0. However a run is cut into calls,
  * each event is reported once, in order of time, and in order of the events if times are equal:
- *   - A call that goes on from the state that the integrator's last step returned, whatever was saved and loaded
- *     between, uses the sign that g has there, by the evaluation that ended the step before. If this was a step without
- *     events (tvi_step), the events in it are not reported later.
+ *   - A call that goes on from the state that the integrator's last step returned, whatever texts were written and
+ *     read between, uses the sign that g has there, by the evaluation that ended the step before. If this was a step
+ *     without events (tvi_step), the events in it are not reported later.
  *   - If events have stopped a run, the integrator keeps t and q, and which functions were reported there. As long as t
  *     and q are the same, whatever p is, these events are left and not reported again. All events at the time of one
  *     that ends the run, to the resolution of t, are reported before TVI_ESTOPPED.
@@ -59,8 +59,8 @@ typedef int tvi_event_observer(int which, double t, const double q[], const doub
  * 8 equal parts, and at dips of |g| between these, with a kink or without (docs/limits.md says what that can miss). The
  * time and the state are those of the change of sign on the method's own solution, to roundoff of the orbit, whatever
  * slope g has there. Either observer may be NULL; both are given ctx. Observers may set the integrator's parameters,
- * reset it, save its state and ask it; stepping it or loading a state is refused (TVI_EINVAL) while it calls them. A
- * state that on_event saves is that at the end of the step: a run from it does not report the step's later events.
+ * reset it, write texts of states and ask it; stepping it or reading a state is refused (TVI_EINVAL) while it calls
+ * them. In on_event tvi_state_last returns the end of the step: a run from it does not report the step's later events.
  *   TVI_ESTOPPED   an observer or a terminal event ended the run: t, q, p are those of the step, or of the event. An
  *                  event is no step: from it the run goes on as from any new state.
  *   TVI_ENOCONV    also an event that is reached again before the time moves: t, q, p are those where it was left

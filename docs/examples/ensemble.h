@@ -33,3 +33,14 @@ static double energy_error(const tvi_system *system, int members, int m, const d
         tvi_energy(system, 0, (double[]){q[m], q[members + m]}, (double[]){p[m], p[members + m]}, &H);
     return status == TVI_OK ? fabs(H - 1 / 12.0) : 1;
 }
+
+/* Reads the texts of all members, one after the other, of `each` characters; or writes them. */
+static inline int move(tvi_ensemble *all, int members, int reads, char *text, size_t each, double t[], double q[],
+                       double p[])
+{
+    tvi_status status = TVI_OK;
+    for (int m = 0; m < members && status == TVI_OK; m++, text += each)
+        status = reads ? tvi_ensemble_member_from_text(all, m, text, each, t, q, p)
+                       : tvi_ensemble_member_to_text(all, m, t, q, p, text, &each);
+    return status == TVI_OK;
+}

@@ -23,7 +23,7 @@ static int transfer(const char *name, int mode, char *bytes, long size)
 
 int main(int count, char **arguments)
 {
-    int rank, size, done = 0;
+    int rank, size, done = 0, from;
     setenv("OMPI_MCA_sharedfp", "^sm", 0); /* or the next run of Open MPI waits for a lock of one that was killed */
     MPI_Init(&count, &arguments), MPI_Comm_rank(MPI_COMM_WORLD, &rank), MPI_Comm_size(MPI_COMM_WORLD, &size);
     const int first = rank * ORBITS / size, members = (rank + 1) * ORBITS / size - first;
@@ -31,21 +31,21 @@ int main(int count, char **arguments)
     tvi_status status[ORBITS];
     tvi_system *system;
     tvi_ensemble *ensemble;
-    size_t bytes = 0;
+    size_t each = 0; /* of all members, before the run and after it */
+    start(first, members, t, q, p);
     if (tvi_system_potential(&system, N, NULL, potential, NULL) != TVI_OK ||
         tvi_ensemble_create(&ensemble, system, NULL, members, 1) != TVI_OK ||
-        tvi_ensemble_save(ensemble, NULL, &bytes) != TVI_OK)
+        tvi_ensemble_member_to_text(ensemble, 0, t, q, p, NULL, &each) != TVI_OK)
         return MPI_Abort(MPI_COMM_WORLD, 1);
-    char *state = malloc(bytes);
-    start(first, members, t, q, p);
-    if (transfer("orbits.state", MPI_MODE_RDONLY, state, (long)bytes) &&
-        tvi_ensemble_load(ensemble, state, bytes) == TVI_OK && tvi_ensemble_last(ensemble, t, q, p, status) == TVI_OK)
+    const long bytes = (long)each * members;
+    char *texts = malloc((size_t)bytes);
+    if (transfer("orbits.state", MPI_MODE_RDONLY, texts, bytes) && move(ensemble, members, 1, texts, each, t, q, p))
         done = (int)lround(t[0] / 0.25);
-    if (rank == 0) printf("from step %d", done);
-    for (; done < (count > 1 ? atoi(arguments[1]) : 4 * PART); done += PART)
+    else start(first, members, t, q, p);
+    for (from = done; done < (count > 1 ? atoi(arguments[1]) : 4 * PART); done += PART)
         if (tvi_ensemble_integrate(ensemble, 0.25, PART, t, q, p, status, NULL, NULL) != TVI_OK ||
-            tvi_ensemble_save(ensemble, state, &bytes) != TVI_OK ||
-            !transfer("orbits.new", MPI_MODE_CREATE | MPI_MODE_WRONLY, state, (long)bytes) ||
+            !move(ensemble, members, 0, texts, each, t, q, p) ||
+            !transfer("orbits.new", MPI_MODE_CREATE | MPI_MODE_WRONLY, texts, bytes) ||
             (rank == 0 && rename("orbits.new", "orbits.state") != 0)) /* a kill leaves a whole file */
             return MPI_Abort(MPI_COMM_WORLD, 1);
     for (int m = 0; m < members; m++) {
@@ -53,7 +53,7 @@ int main(int count, char **arguments)
         for (int i = 0; i < N; i++) end[m][i] = q[i * members + m], end[m][N + i] = p[i * members + m];
     }
     MPI_Reduce(&mine, &worst, 1, MPI_DOUBLE, MPI_MAX, 0, MPI_COMM_WORLD);
-    if (rank == 0) printf(" to step %d: energies to %.0e\n", done, worst);
+    if (rank == 0) printf("from step %d to step %d: energies to %.0e\n", from, done, worst);
     transfer("orbits.end", MPI_MODE_CREATE | MPI_MODE_WRONLY, (char *)end, members * (long)sizeof *end);
     return MPI_Finalize();
 }

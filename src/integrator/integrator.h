@@ -30,7 +30,8 @@ typedef struct tvi_tangent tvi_tangent;
 
 /* A state at which events have stopped a run, and the events that were reported there. A run that goes on from the same
  * t and q, with any p, does not report these events again. Events beyond the first TVI_STOP_EVENTS are recognized by
- * |g|, which is at most its roundoff. A stop is part of a saved state, and each member of an ensemble has one. */
+ * |g|, which is at most its roundoff. Each member of an ensemble has a stop. Texts of states have its words, so
+ * that another layout is another format (state.c). */
 enum { TVI_STOP_EVENTS = 32 };
 typedef struct {
     int64_t is_set, event_count; /* 1 if events stopped a run, else 0; the number of events reported at the stop */
@@ -40,7 +41,7 @@ typedef struct {
 /* Returns the size of a tvi_event_stop, in bytes, for n coordinates. */
 static inline size_t tvi_stop_bytes(int n) { return sizeof(tvi_event_stop) + (2 * (size_t)n + 1) * sizeof(double); }
 /* Clears a stop, so that the next run reports the events at its first state. The function is called when the user sets
- * parameters or loads a state from text, and before a new stop is stored. */
+ * parameters, and before a new stop is stored. */
 static inline void tvi_event_stop_clear(tvi_event_stop *stop, int n) { memset(stop, 0, tvi_stop_bytes(n)); }
 
 struct tvi_integrator {

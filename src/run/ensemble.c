@@ -1,8 +1,8 @@
-/* ensemble.c - Creates, frees, saves and loads ensembles, and copies members between the ensemble's memory and the
- * integrators of its threads (tvi_worker_load_member, tvi_worker_store_member). A thread has one integrator, which is a
- * member from its load to its store. So a member's steps are those of an integrator of its own, to the bit. */
+/* ensemble.c - Creates and frees ensembles, gives and takes the states of their members, and copies members between the
+ * ensemble's memory and the integrators of its threads (tvi_worker_load_member, tvi_worker_store_member). A thread has
+ * one integrator, which is a member from its load to its store. So a member's steps are those of an integrator of its
+ * own, to the bit. */
 #include "run/ensemble.h"
-#include "integrator/saved.h"
 #include "system/refuse.h"
 
 #include <math.h>
@@ -223,86 +223,7 @@ tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats)
     return TVI_OK;
 }
 
-/* ---- Saved states ------------------------------------------------------------------------------------------------ */
-
-/* The indices of the pieces of a saved ensemble. The bytes are: identity | counts (tvi_stats) | statuses |
- * parameters | stops | histories | checksum. */
-enum { COUNTS, STATUSES, PARAMETERS, STOPS, HISTORIES };
-
-static void list_saved_pieces(const tvi_ensemble *ensemble, tvi_stats *stats, tvi_saved_pieces *pieces)
-{
-    const size_t members = (size_t)ensemble->member_count;
-    pieces->piece_count = 0;
-    tvi_saved_pieces_add(pieces, stats, sizeof *stats);
-    tvi_saved_pieces_add(pieces, ensemble->failure_status, members * sizeof *ensemble->failure_status);
-    tvi_saved_pieces_add(pieces, ensemble->parameters,
-                         count_parameters_of_all_members(ensemble) * sizeof *ensemble->parameters);
-    tvi_saved_pieces_add(pieces, ensemble->stops, members * tvi_stop_bytes(ensemble->n));
-    tvi_saved_pieces_add(pieces, ensemble->histories, members * ensemble->history_bytes);
-}
-
-static tvi_saved_identity compute_ensemble_identity(const tvi_ensemble *ensemble, const tvi_saved_pieces *pieces)
-{
-    tvi_saved_identity who =
-        tvi_saved_identity_of_integrator(ensemble->workers->integrator, tvi_saved_size_in_bytes(pieces));
-    who.has_stepped = ensemble->has_run;
-    who.member_count = ensemble->member_count;
-    return who;
-}
-
-tvi_status tvi_ensemble_save(const tvi_ensemble *ensemble, void *buffer, size_t *size)
-{
-    if (!ensemble || !size) return jet_refuse(TVI_EINVAL, "%s is NULL", ensemble ? "size" : "ensemble");
-    tvi_stats stats;
-    tvi_saved_pieces pieces;
-    tvi_status status = tvi_ensemble_refuse_if_running(ensemble);
-    if (status == TVI_OK) status = tvi_ensemble_stats(ensemble, &stats);
-    if (status != TVI_OK) return status;
-    list_saved_pieces(ensemble, &stats, &pieces);
-    const tvi_saved_identity own = compute_ensemble_identity(ensemble, &pieces);
-    return tvi_saved_write(&own, &pieces, buffer, size);
-}
-
-/* Tells whether the loaded pieces are valid, so that a run can go on from them. */
-static bool are_saved_pieces_valid(tvi_ensemble *ensemble, const tvi_saved_pieces *pieces, const void *buffer)
-{
-    const char *histories = tvi_saved_piece_address(pieces, HISTORIES, buffer);
-    tvi_integrator *it = ensemble->workers->integrator;
-    if (!tvi_saved_stats_are_valid(tvi_saved_piece_address(pieces, COUNTS, buffer)) ||
-        !tvi_saved_stops_are_valid(tvi_saved_piece_address(pieces, STOPS, buffer), ensemble->n,
-                                   ensemble->member_count) ||
-        !tvi_numbers_are_finite(tvi_saved_piece_address(pieces, PARAMETERS, buffer), pieces->piece[PARAMETERS].bytes))
-        return false;
-    for (size_t m = 0; m < (size_t)ensemble->member_count; m++) {
-        tvi_status status;
-        memcpy(&status, tvi_saved_piece_address(pieces, STATUSES, buffer) + m * sizeof status, sizeof status);
-        if (status != TVI_OK && !tvi_is_failure_of_member(status)) return false;
-        tvi_arena_copy_history(it->history, histories + m * ensemble->history_bytes, ensemble->history_bytes);
-        if (!tvi_loaded_history_is_valid(it)) return false;
-    }
-    return true;
-}
-
-tvi_status tvi_ensemble_load(tvi_ensemble *ensemble, const void *buffer, size_t size)
-{
-    if (!ensemble || !buffer) return jet_refuse(TVI_EINVAL, "%s is NULL", ensemble ? "buffer" : "ensemble");
-    tvi_stats stats;
-    tvi_saved_pieces pieces;
-    tvi_saved_identity who;
-    const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
-    if (idle != TVI_OK) return idle;
-    list_saved_pieces(ensemble, &stats, &pieces);
-    const tvi_saved_identity own = compute_ensemble_identity(ensemble, &pieces);
-    const char *const mismatch = tvi_saved_find_mismatch(&own, buffer, size);
-    if (mismatch) return jet_refuse(TVI_EINVAL, "%s", mismatch);
-    if (!are_saved_pieces_valid(ensemble, &pieces, buffer)) return jet_refuse(TVI_EINVAL, "the state is damaged");
-    memcpy(&who, buffer, sizeof who);
-    for (int i = 0; i < pieces.piece_count; i++) tvi_saved_load_piece(&pieces, i, buffer);
-    memset(ensemble->records, 0, (size_t)ensemble->member_count * sizeof *ensemble->records);
-    ensemble->records->stats = stats; /* The counts of all members together are those of the first one from here on. */
-    ensemble->has_run = who.has_stepped != 0;
-    return TVI_OK;
-}
+/* ---- States of members ------------------------------------------------------------------------------------------- */
 
 tvi_status tvi_ensemble_last(const tvi_ensemble *ensemble, double t[], double q[], double p[], tvi_status status[])
 {
@@ -311,7 +232,9 @@ tvi_status tvi_ensemble_last(const tvi_ensemble *ensemble, double t[], double q[
                                              (const char *const[]){"ensemble", "t", "q", "p", "status"});
     const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
     if (idle != TVI_OK) return idle;
-    if (!ensemble->has_run) return jet_refuse(TVI_EINVAL, "the ensemble has made no run, or was reset");
+    if (!ensemble->has_run)
+        return jet_refuse(TVI_EINVAL,
+                          "the ensemble has made no run, and no member was loaded, since it was created or reset");
     tvi_ensemble_worker *worker = ensemble->workers;
     for (int m = 0; m < ensemble->member_count; m++) {
         tvi_worker_load_member(worker, (tvi_ensemble *)ensemble, m);
@@ -322,4 +245,49 @@ tvi_status tvi_ensemble_last(const tvi_ensemble *ensemble, double t[], double q[
         tvi_worker_store_member(worker, (tvi_ensemble *)ensemble, m);
     }
     return TVI_OK;
+}
+
+static tvi_status check_member_arguments(const tvi_ensemble *ensemble, int member, const void *const pointers[4],
+                                         const char *last_pointer_name)
+{
+    const void *const all[] = {ensemble, pointers[0], pointers[1], pointers[2], pointers[3]};
+    for (int i = 0; i < 5; i++)
+        if (!all[i])
+            return tvi_refuse_first_null_pointer(5, all,
+                                                 (const char *const[]){"ensemble", "t", "q", "p", last_pointer_name});
+    if (member < 0 || member >= ensemble->member_count)
+        return jet_refuse(TVI_EINVAL, "member = %d is not from 0 to %d", member, ensemble->member_count - 1);
+    return tvi_ensemble_refuse_if_running(ensemble);
+}
+
+tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *ensemble, int member, const double t[], const double q[],
+                                       const double p[], char *text, size_t *size)
+{
+    tvi_status status = check_member_arguments(ensemble, member, (const void *const[]){t, q, p, size}, "size");
+    if (status != TVI_OK) return status;
+    tvi_ensemble_worker *worker = ensemble->workers;
+    tvi_worker_load_member(worker, (tvi_ensemble *)ensemble, member);
+    tvi_gather_member(ensemble->n, ensemble->member_count, q, member, worker->member_q);
+    tvi_gather_member(ensemble->n, ensemble->member_count, p, member, worker->member_p);
+    status = tvi_state_to_text(worker->integrator, t[member], worker->member_q, worker->member_p, text, size);
+    tvi_worker_store_member(worker, (tvi_ensemble *)ensemble, member);
+    return status;
+}
+
+tvi_status tvi_ensemble_member_from_text(tvi_ensemble *ensemble, int member, const char *text, size_t size, double t[],
+                                         double q[], double p[])
+{
+    tvi_status status = check_member_arguments(ensemble, member, (const void *const[]){t, q, p, text}, "text");
+    if (status != TVI_OK) return status;
+    tvi_ensemble_worker *worker = ensemble->workers;
+    tvi_worker_load_member(worker, ensemble, member);
+    status = tvi_state_from_text(worker->integrator, text, size, &t[member], worker->member_q, worker->member_p);
+    if (status == TVI_OK) {
+        tvi_scatter_member(ensemble->n, ensemble->member_count, worker->member_q, member, q);
+        tvi_scatter_member(ensemble->n, ensemble->member_count, worker->member_p, member, p);
+        ensemble->failure_status[member] = TVI_OK;
+        ensemble->has_run = true;
+    }
+    tvi_worker_store_member(worker, ensemble, member);
+    return status;
 }

@@ -1,5 +1,5 @@
 /* ensemble.h - Declares the memory of an ensemble between its runs, and the functions by which a thread loads and
- * stores a member. ensemble.c, ensemble_run.c and travel.c include it. */
+ * stores a member. ensemble.c and ensemble_run.c include it. */
 #ifndef TVI_SRC_RUN_ENSEMBLE_H
 #define TVI_SRC_RUN_ENSEMBLE_H
 
@@ -49,8 +49,8 @@ struct tvi_ensemble {
      * run */
     char *stops;
     tvi_status *failure_status; /* [member_count] TVI_OK if the member can go on, otherwise the status of its failure */
-    bool has_run;               /* true if the ensemble has run since it was created or reset */
-    bool is_running;            /* true during a run, in which observers may neither read nor change the members */
+    bool has_run;    /* true if the ensemble has run, or a member was loaded, since it was created or reset */
+    bool is_running; /* true during a run, in which observers may neither read nor change the members */
     /* The threads of a run, and its present segment, which outlives a run that longjmp leaves. */
     tvi_parallel_team team;
     tvi_ensemble_segment segment;

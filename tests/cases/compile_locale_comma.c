@@ -36,7 +36,7 @@ static void test_files(const tvi_system *system)
 static void test_states(const tvi_system *system)
 {
     tvi_integrator *it;
-    char text[2][1000];
+    char text[2][1 << 14];
     double t = 0.25, q = 1.5, p = 0.125;
     size_t size[2] = {sizeof text[0], sizeof text[1]};
     TVI_OR_EXIT(tvi_integrator_create(&it, system, NULL));

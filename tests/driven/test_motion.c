@@ -1,6 +1,7 @@
 /* test_motion.c - Tests the oscillator against its closed form: errors, orders, tangent maps, events and saved states.
  */
 #include "driven.h"
+#include "problems/texts.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -113,16 +114,13 @@ START_TEST(saved_states_go_on)
     double t = 0, q, p, at[3];
     to_form(&forms[_i], 1, 0, &q, &p);
     ck_assert_int_eq(tvi_integrate(one, 0.125, 20, &t, &q, &p, NULL, NULL), TVI_OK);
-    size_t size;
-    ck_assert_int_eq(tvi_state_save(one, NULL, &size), TVI_OK);
-    char *bytes = malloc(size);
-    ck_assert_int_eq(tvi_state_save(one, bytes, &size), TVI_OK);
-    ck_assert_int_eq(tvi_state_load(two, bytes, size), TVI_OK);
-    memcpy(at, (const double[]){t, q, p}, sizeof at);
+    char *text = text_of_state(one, t, &q, &p);
+    ck_assert_int_eq(tvi_state_from_text(two, text, strlen(text), &at[0], &at[1], &at[2]), TVI_OK);
+    ck_assert(memcmp(at, (const double[]){t, q, p}, sizeof at) == 0);
     ck_assert_int_eq(tvi_integrate(one, 0.125, 20, &t, &q, &p, NULL, NULL), TVI_OK);
     ck_assert_int_eq(tvi_integrate(two, 0.125, 20, &at[0], &at[1], &at[2], NULL, NULL), TVI_OK);
     ck_assert(memcmp(at, (const double[]){t, q, p}, sizeof at) == 0);
-    free(bytes);
+    free(text);
     tvi_integrator_free(one);
     tvi_integrator_free(two);
     tvi_system_free(system);

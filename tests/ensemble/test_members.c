@@ -2,6 +2,7 @@
  * steps, ends and lists of times that are cut into calls, events, tangent vectors, observers that stop them, failures,
  * new states and parameters, and states that are saved and loaded on the way. */
 #include "ensemble.h"
+#include "problems/texts.h"
 #include "problems/random.h"
 #include "problems/thorough.h"
 
@@ -185,35 +186,39 @@ static void set_parameters(void)
     OK(tvi_ensemble_set_parameters(o.ensemble, value));
 }
 
-/* Into an ensemble with another number of threads, and into other integrators. */
+/* Into an ensemble with another number of threads, and into other integrators. Members that have failed are tried
+ * again. */
 static void save_and_load(void)
 {
-    static char bytes[1 << 20];
-    size_t size = sizeof bytes;
-    OK(tvi_ensemble_save(o.ensemble, bytes, &size));
-    tvi_ensemble_free(o.ensemble);
-    OK(tvi_ensemble_create(&o.ensemble, o.system, &o.options, MEMBERS, 1 + below(3)));
-    OK(tvi_ensemble_load(o.ensemble, bytes, size));
+    tvi_ensemble *other;
+    OK(tvi_ensemble_create(&other, o.system, &o.options, MEMBERS, 1 + below(3)));
     for (int m = 0; m < MEMBERS; m++) {
         alone *a = &o.by_itself[m];
-        size = sizeof bytes;
-        OK(tvi_state_save(a->integrator, bytes, &size));
+        if (!isfinite(a->q[0])) set_state(m);
+        char *of_member = text_of_member(o.ensemble, m, o.members.t, o.members.q, o.members.p),
+             *text = text_of_state(a->integrator, a->t, a->q, a->p);
         tvi_integrator_free(a->integrator);
         OK(tvi_integrator_create(&a->integrator, o.system, &o.options));
-        OK(tvi_state_load(a->integrator, bytes, size));
+        OK(tvi_state_from_text(a->integrator, text, strlen(text), &a->t, a->q, a->p));
+        OK(tvi_ensemble_member_from_text(other, m, of_member, strlen(of_member), o.members.t, o.members.q,
+                                         o.members.p));
+        o.status[m] = TVI_OK;
+        free(of_member);
+        free(text);
     }
+    tvi_ensemble_free(o.ensemble);
+    o.ensemble = other;
 }
 
 static void load_text(int m)
 {
-    char text[4096];
-    size_t size = sizeof text;
     alone *a = &o.by_itself[m];
     if (!isfinite(a->q[0])) return;
-    OK(tvi_state_to_text(a->integrator, a->t, a->q, a->p, text, &size));
-    OK(tvi_state_from_text(a->integrator, text, size, &a->t, a->q, a->p));
-    OK(tvi_ensemble_member_from_text(o.ensemble, m, text, size, o.members.t, o.members.q, o.members.p));
+    char *text = text_of_state(a->integrator, a->t, a->q, a->p);
+    OK(tvi_state_from_text(a->integrator, text, strlen(text), &a->t, a->q, a->p));
+    OK(tvi_ensemble_member_from_text(o.ensemble, m, text, strlen(text), o.members.t, o.members.q, o.members.p));
     o.status[m] = TVI_OK;
+    free(text);
 }
 
 static void change_both(void)

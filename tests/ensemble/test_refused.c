@@ -244,7 +244,6 @@ START_TEST(arguments_that_are_missing)
     const tvi_ensemble_plan plan = {.h = H, .steps = 1}, fine = {.tolerance = 1e-9, .t_end = 1};
     tvi_status *status = is.status;
     double *t = is.t, *q = is.q, *p = is.p;
-    size_t size = 0;
     tvi_stats stats;
     tvi_ensemble *none = ensemble;
     expect_call_refused(tvi_ensemble_run(NULL, &plan, t, q, p, status), TVI_EINVAL, "ensemble is NULL");
@@ -283,10 +282,6 @@ START_TEST(arguments_that_are_missing)
     expect_call_refused(tvi_ensemble_set_parameters(ensemble, bad), TVI_ENONFINITE, "value[3]");
     expect_call_refused(tvi_ensemble_stats(NULL, &stats), TVI_EINVAL, "ensemble is NULL");
     expect_call_refused(tvi_ensemble_stats(ensemble, NULL), TVI_EINVAL, "stats is NULL");
-    expect_call_refused(tvi_ensemble_save(NULL, NULL, &size), TVI_EINVAL, "ensemble is NULL");
-    expect_call_refused(tvi_ensemble_save(ensemble, NULL, NULL), TVI_EINVAL, "size is NULL");
-    expect_call_refused(tvi_ensemble_load(NULL, D, size), TVI_EINVAL, "ensemble is NULL");
-    expect_call_refused(tvi_ensemble_load(ensemble, NULL, size), TVI_EINVAL, "buffer is NULL");
     expect_call_refused(tvi_ensemble_last(ensemble, t, q, p, NULL), TVI_EINVAL, "status is NULL");
     expect_call_refused(tvi_ensemble_last(ensemble, t, q, p, status), TVI_EINVAL, "no run");
     tvi_ensemble_free(NULL);
@@ -296,19 +291,17 @@ END_TEST
 
 static group seen, asking, idle;
 
-/* A state of the ensemble, and one of its members, that were saved before the run, so that they would be loaded. */
+/* The state of a member that was written before the run, so that it would be loaded. */
 static struct {
     tvi_ensemble *ensemble;
-    char bytes[1 << 16], text[4096];
-    size_t size, length;
+    char text[1 << 16];
+    size_t length;
 } before_run;
 
 static void save_before_run(tvi_ensemble *e)
 {
     before_run.ensemble = e;
-    before_run.size = sizeof before_run.bytes;
     before_run.length = sizeof before_run.text;
-    OK(tvi_ensemble_save(e, before_run.bytes, &before_run.size));
     OK(tvi_ensemble_member_to_text(e, 0, seen.t, seen.q, seen.p, before_run.text, &before_run.length));
 }
 
@@ -317,8 +310,8 @@ static int ask_in_a_run(int member, int which, double t, const double q[], const
 {
     tvi_ensemble *e = before_run.ensemble;
     const tvi_run_plan plan = {.h = H, .steps = 1};
-    static char text[sizeof before_run.text], bytes[sizeof before_run.bytes];
-    size_t length = sizeof text, size = sizeof bytes;
+    static char text[sizeof before_run.text];
+    size_t length = sizeof text;
     const group was_seen = seen;
     (void)member, (void)which, (void)t, (void)q, (void)p, (void)ctx;
     refused("in a run", tvi_ensemble_run(e, &plan, seen.t, seen.q, seen.p, seen.status), TVI_EINVAL);
@@ -327,8 +320,6 @@ static int ask_in_a_run(int member, int which, double t, const double q[], const
     refused("in a run", tvi_ensemble_member_to_text(e, 0, seen.t, seen.q, seen.p, text, &length), TVI_EINVAL);
     refused("in a run", tvi_ensemble_member_from_text(e, 0, before_run.text, before_run.length, seen.t, seen.q, seen.p),
             TVI_EINVAL);
-    refused("in a run", tvi_ensemble_save(e, bytes, &size), TVI_EINVAL);
-    refused("in a run", tvi_ensemble_load(e, before_run.bytes, before_run.size), TVI_EINVAL);
     refused("in a run", tvi_ensemble_set_parameters(e, D), TVI_EINVAL);
     refused("in a run", tvi_ensemble_stats(e, &(tvi_stats){0}), TVI_EINVAL);
     tvi_ensemble_reset(e);
@@ -358,7 +349,6 @@ START_TEST(members_are_not_read_in_a_run)
         save_before_run(e);
         OK(tvi_ensemble_run(e, &plan, g->t, g->q, g->p, g->status));
         OK(tvi_ensemble_last(e, seen.t, seen.q, seen.p, seen.status));
-        OK(tvi_ensemble_load(e, before_run.bytes, before_run.size));
         OK(tvi_ensemble_member_from_text(e, 0, before_run.text, before_run.length, seen.t, seen.q, seen.p));
         tvi_ensemble_free(e);
     }

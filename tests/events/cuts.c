@@ -1,6 +1,7 @@
 /* cuts.c - Implements cuts.h. */
 #include "cuts.h"
 #include "problems/random.h"
+#include "problems/texts.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -160,16 +161,13 @@ tvi_run_plan plan_of(const random_run *r, notes *to)
 /* ---- One integrator ---------------------------------------------------------------------------------------------- */
 
 /* The integrator becomes another one, with its state. */
-static tvi_integrator *move_on(const random_run *r, tvi_integrator *it)
+static tvi_integrator *move_on(const random_run *r, tvi_integrator *it, point *x)
 {
-    size_t size = 0;
     tvi_integrator *other;
-    ck_assert_int_eq(tvi_state_save(it, NULL, &size), TVI_OK);
-    void *buffer = malloc(size);
-    ck_assert_int_eq(tvi_state_save(it, buffer, &size), TVI_OK);
+    char *text = text_of_state(it, x->t, x->q, x->p);
     ck_assert_int_eq(tvi_integrator_create(&other, r->system, &r->options), TVI_OK);
-    ck_assert_int_eq(tvi_state_load(other, buffer, size), TVI_OK);
-    free(buffer);
+    ck_assert_int_eq(tvi_state_from_text(other, text, strlen(text), &x->t, x->q, x->p), TVI_OK);
+    free(text);
     tvi_integrator_free(it);
     return other;
 }
@@ -239,7 +237,7 @@ static void go_alone(const random_run *r, uint64_t *bits, notes *to)
         if (to->status != TVI_OK && to->status != TVI_ESTOPPED) break;
         for (int i = 0; is_stop && r->turns && i < r->pair->scene->n; i++) x.p[i] = -x.p[i];
         if (is_stop) left--; /* so that a run of many stops ends */
-        if (bits && may_move(r, &x, to) && number_of(bits) < 0.3) it = move_on(r, it);
+        if (bits && may_move(r, &x, to) && number_of(bits) < 0.3) it = move_on(r, it, &x);
     }
     ck_assert_int_lt(calls, MOST_CALLS);
     if (to->by_observer && to->status == TVI_ESTOPPED) to->status = TVI_OK; /* it was the last step */
@@ -249,16 +247,11 @@ static void go_alone(const random_run *r, uint64_t *bits, notes *to)
 
 /* ---- Members ----------------------------------------------------------------------------------------------------- */
 
-static tvi_ensemble *move_members_on(const random_run *r, tvi_ensemble *e)
+static tvi_ensemble *move_members_on(const random_run *r, tvi_ensemble *e, double t[], double q[], double p[])
 {
-    size_t size = 0;
     tvi_ensemble *other;
-    ck_assert_int_eq(tvi_ensemble_save(e, NULL, &size), TVI_OK);
-    void *buffer = malloc(size);
-    ck_assert_int_eq(tvi_ensemble_save(e, buffer, &size), TVI_OK);
     ck_assert_int_eq(tvi_ensemble_create(&other, r->system, &r->options, r->members, 1), TVI_OK);
-    ck_assert_int_eq(tvi_ensemble_load(other, buffer, size), TVI_OK);
-    free(buffer);
+    move_members(e, other, r->members, t, q, p);
     tvi_ensemble_free(e);
     return other;
 }
@@ -313,7 +306,7 @@ static void go_together(const random_run *r, uint64_t *bits, notes *to)
     ck_assert_int_eq(tvi_ensemble_create(&e, r->system, &r->options, members, 1), TVI_OK);
     for (long left = r->steps; left > 0 && calls < MOST_CALLS; calls++) {
         call_all(r, bits, e, x, each, &left, to);
-        if (bits && number_of(bits) < 0.3) e = move_members_on(r, e);
+        if (bits && number_of(bits) < 0.3) e = move_members_on(r, e, x, q, p);
     }
     ck_assert_int_lt(calls, MOST_CALLS);
     for (int m = 0; m < members; m++) {

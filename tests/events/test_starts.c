@@ -2,6 +2,7 @@
  * however a run is cut into calls (tvi_runs.h). */
 #include "diary.h"
 #include "events.h"
+#include "problems/texts.h"
 
 #include <float.h>
 #include <math.h>
@@ -302,25 +303,22 @@ START_TEST(julian_days)
     double mu = 2.9591220828559e-4;
     run r = open_potential(2, kepler, &mu);
     tvi_event *event = event_of(2, TVI_RISING, true, at_noon, NULL);
-    char *buffer = NULL;
-    size_t size = 0;
     d = (diary){0};
     r.x = (point){2451545.1, {1}, {0, 0.0172}};
-    ck_assert_int_eq(tvi_state_save(r.integrator, NULL, &size), TVI_OK);
-    buffer = malloc(size);
     for (int k = 0; k < 8; k++) {
         if (_i) {
             tvi_integrator *other;
-            ck_assert_int_eq(tvi_state_save(r.integrator, buffer, &size), TVI_OK);
+            char *text = text_of_state(r.integrator, r.x.t, r.x.q, r.x.p);
+            if (_i == 2) memcpy(history_hash_in(text), "0123456789abcdef", 16), sign_text(text); /* another version */
             ck_assert_int_eq(tvi_integrator_create(&other, r.system, NULL), TVI_OK);
-            ck_assert_int_eq(tvi_state_load(other, buffer, size), TVI_OK);
+            ck_assert_int_eq(tvi_state_from_text(other, text, strlen(text), &r.x.t, r.x.q, r.x.p), TVI_OK);
+            free(text);
             tvi_integrator_free(r.integrator);
             r.integrator = other;
         }
         ck_assert_int_eq(go(&r, 1, 1000, (const tvi_event *[]){event}, 1, &d), TVI_ESTOPPED);
         ck_assert_double_eq_tol(r.x.t, 2451546 + k, 1e-9);
     }
-    free(buffer);
     tvi_event_free(event);
     run_close(&r);
 }
@@ -387,7 +385,7 @@ Suite *suite_starts(void)
     tcase_add_test(tcase, many_balls);
     tcase_add_test(tcase, one_of_many_stops);
     tcase_add_test(tcase, the_other_direction);
-    tcase_add_loop_test(tcase, julian_days, 0, 2);
+    tcase_add_loop_test(tcase, julian_days, 0, 3);
     tcase_add_loop_test(tcase, released_on_the_event, 0, 5);
     tcase_add_loop_test(tcase, roundoff_is_no_event, 0, 2);
     suite_add_tcase(suite, tcase);

@@ -3,6 +3,7 @@
 #include "events.h"
 #include "problems/refusals.h"
 #include "tolerance.h"
+#include "problems/texts.h"
 
 #include <float.h>
 #include <math.h>
@@ -89,15 +90,11 @@ START_TEST(goes_on)
 {
     orbit o = open_scene(&scene_kepler, 13), other = open_scene(&scene_kepler, 13),
           plain = open_scene(&scene_kepler, 13);
-    size_t size;
     ck_assert_int_eq(go(&o, 1e-10, 20, stop_at_seven, NULL), TVI_ESTOPPED);
     ck_assert_int_eq(steps_of(&o), 7);
-    ck_assert_int_eq(tvi_state_save(o.integrator, NULL, &size), TVI_OK);
-    void *bytes = malloc(size);
-    ck_assert_int_eq(tvi_state_save(o.integrator, bytes, &size), TVI_OK);
-    ck_assert_int_eq(tvi_state_load(other.integrator, bytes, size), TVI_OK);
-    ck_assert_int_eq(tvi_state_last(other.integrator, &other.t, other.q, other.p), TVI_OK);
-    free(bytes);
+    char *text = text_of_state(o.integrator, o.t, o.q, o.p);
+    ck_assert_int_eq(tvi_state_from_text(other.integrator, text, strlen(text), &other.t, other.q, other.p), TVI_OK);
+    free(text);
     orbit *const all[] = {&o, &other, &plain};
     for (int i = 0; i < 3; i++) {
         ck_assert_int_eq(go(all[i], 1e-10, 20, NULL, NULL), TVI_OK);

@@ -12,11 +12,12 @@
 static bool in_order(double h, double a, double b) { return h > 0 ? a <= b : a >= b; }
 
 /* The same steps from the saved integrator. */
-static void expect_same_steps(world *w, double h, const uint8_t *saved, size_t size, long steps, const state *before,
+static void expect_same_steps(world *w, double h, const char *saved, size_t size, long steps, const state *before,
                               const char *what)
 {
+    if (steps == 0) return;
     state again = *before;
-    insist(tvi_state_load(w->integrator, saved, size) == TVI_OK, "load");
+    insist(tvi_state_from_text(w->integrator, saved, size, &again.t, again.q, again.p) == TVI_OK, "load");
     const tvi_status status = tvi_integrate(w->integrator, h, steps, &again.t, again.q, again.p, NULL, NULL);
     insist(status == TVI_OK && memcmp(&again, &w->x, sizeof again) == 0, what);
 }
@@ -130,7 +131,7 @@ void integrate_events(bytes *b, world *w)
     for (int i = 0; i < count; i++) make_wish(b, w, x.h, &x.wishes[i]), events[i] = x.wishes[i].event;
     const state before = w->x;
     size_t size;
-    uint8_t *saved = saved_state(w, &size);
+    char *saved = saved_state(w, &size);
     const tvi_status status = tvi_integrate_events(w->integrator, x.h, steps, events, count, &w->x.t, w->x.q, w->x.p,
                                                    after_step, on_event, &x);
     expect_end(w, status, &before, "integrate with events");
@@ -160,14 +161,15 @@ static int at_time(long number_of_time, double t, const double q[], const double
 
 /* The time that a step of size h covers. In a rescaled system, whose time may stop after some steps, the times lie in a
  * part of what TIMES steps cover, so that few steps pass all times. */
-static double time_of(const world *w, double h, const uint8_t *saved, size_t size)
+static double time_of(const world *w, double h, const char *saved, size_t size)
 {
     tvi_integrator *trial;
     state x = w->x;
-    if (!w->adapts) return h;
+    if (!w->adapts || !saved) return h;
     insist(tvi_integrator_create(&trial, w->system, tvi_integrator_options(w->integrator)) == TVI_OK, "a trial");
-    insist(tvi_state_load(trial, saved, size) == TVI_OK, "load");
-    expect_status(tvi_integrate(trial, h, TIMES, &x.t, x.q, x.p, NULL, NULL));
+    tvi_status status = tvi_state_from_text(trial, saved, size, &x.t, x.q, x.p);
+    if (status == TVI_OK) status = tvi_integrate(trial, h, TIMES, &x.t, x.q, x.p, NULL, NULL);
+    expect_status(status);
     tvi_integrator_free(trial);
     return (x.t - w->x.t) / (4 * TIMES);
 }
@@ -176,7 +178,7 @@ void integrate_at(bytes *b, world *w)
 {
     list x = {.w = w, .stop_at = below(b, 16)};
     size_t size;
-    uint8_t *saved = saved_state(w, &size);
+    char *saved = saved_state(w, &size);
     const double h = step_size(b), unit = time_of(w, h, saved, size);
     const int count = below(b, TIMES + 1);
     double place = 0;

@@ -54,7 +54,7 @@ bool finite_all(int count, const double x[]);
 void expect_status(tvi_status status);
 /* After several steps from before: at none or at the last that succeeded, finite; not moved by TVI_EINVAL. */
 void expect_end(const world *w, tvi_status status, const state *before, const char *what);
-uint8_t *saved_state(const world *w, size_t *size); /* to be freed */
+char *saved_state(const world *w, size_t *size); /* to be freed; NULL if the state is not finite */
 
 /* ---- Calls in files of their own --------------------------------------------------------------------------------- */
 

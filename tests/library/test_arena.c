@@ -1,10 +1,8 @@
 /* test_arena.c - Tests pieces of an arena, aligned, apart, as many bytes as were measured (with the address sanitizer,
- * nothing but the pieces may be touched), and the counts of saved statistics. */
+ * nothing but the pieces may be touched). */
 #include "algebra/arena.h"
-#include "integrator/saved.h"
 #include "suites.h"
 
-#include <limits.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -98,30 +96,12 @@ START_TEST(histories_are_copied)
 }
 END_TEST
 
-/* Each count of saved statistics by itself: negative, or so large that more would overflow. */
-START_TEST(counts_are_looked_at)
-{
-    tvi_stats s = {.steps = 1};
-    long *const counts[] = {&s.steps, &s.passes, &s.expansions, &s.force_evaluations, &s.factorisations};
-    ck_assert(tvi_saved_stats_are_valid(&s));
-    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
-        *counts[i] = -1;
-        ck_assert(!tvi_saved_stats_are_valid(&s));
-        *counts[i] = LONG_MAX;
-        ck_assert(!tvi_saved_stats_are_valid(&s));
-        *counts[i] = 0;
-    }
-    ck_assert(tvi_saved_stats_are_valid(&s));
-}
-END_TEST
-
 Suite *suite_arena(void)
 {
     Suite *suite = suite_create("arena");
     TCase *tcase = tcase_create("arena");
     tcase_add_test(tcase, pieces_are_apart);
     tcase_add_test(tcase, histories_are_copied);
-    tcase_add_test(tcase, counts_are_looked_at);
     suite_add_tcase(suite, tcase);
     return suite;
 }

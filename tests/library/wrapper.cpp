@@ -129,7 +129,7 @@ static void errors()
     expect("a domain", throws([&] { orbit.step(0.1, t, q, p); }, TVI_EDOMAIN, "jet_"));
     expect("a size", throws([&] { orbit.step(0.1, t, wrong, p); }, TVI_EINVAL, "q has 3 components"));
     expect("theta", throws([&] { orbit.dense(0.5, q, p); }, TVI_EINVAL, "last step"));
-    expect("a state", throws([&] { orbit.load(std::vector<char>(400)); }, TVI_EINVAL, "no state"));
+    expect("a state", throws([&] { orbit.load(std::string(400, '\0')); }, TVI_EINVAL, "no state"));
 }
 
 /* A callable with memory of its own, which is freed as well. */
@@ -293,9 +293,13 @@ static void ensembles()
     expect("to a time", crowd.integrate_to(0.25, 1.6, t, q, p, status) && t[0] == 1.6 && t[2] == 1.6);
     tvi::ensemble fresh(crowd.system(), MEMBERS, tvi_options_default(), 1);
     std::vector<double> t_fresh(3), q_fresh(6), p_fresh(6);
-    fresh.load(crowd.save());
+    const std::string saved = crowd.save();
+    fresh.load(saved);
     fresh.last(t_fresh, q_fresh, p_fresh, status);
-    expect("saved", t_fresh == t && q_fresh == q && p_fresh == p);
+    expect("saved", t_fresh == t && q_fresh == q && p_fresh == p && fresh.save() == saved);
+    expect("cut short", throws([&] { fresh.load(saved.substr(0, saved.size() - 2)); }, TVI_EINVAL, "state"));
+    expect("longer", throws([&] { fresh.load(saved + "end"); }, TVI_EINVAL, ""));
+    expect("and left as it was", fresh.save() == saved);
     fresh.member_from_text(1, crowd.member_to_text(2, t, q, p), t_fresh, q_fresh, p_fresh);
     expect("as text", q_fresh[1] == q[2] && q_fresh[2] == q[2] && q_fresh[0] == q[0] && p_fresh[4] == p[5]);
     int seen[MEMBERS] = {0};

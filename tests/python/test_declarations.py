@@ -13,7 +13,8 @@ STRUCTURES = ("jet", "tvi_options", "tvi_compiler", "tvi_stats", "tvi_run_plan",
 # Functions that the module has no need of: tvi_run makes these runs, and Python has its own way for the others.
 NOT_NEEDED = set("""tvi_integrate tvi_integrate_to tvi_integrate_at tvi_integrate_events tvi_integrate_tolerance
     tvi_integrate_tolerance_events tvi_ensemble_integrate tvi_progress tvi_options_default tvi_suggest_step
-    tvi_system_dimension tvi_bodies_system jet_sum jet_dot""".split())
+    tvi_system_dimension tvi_bodies_system jet_sum jet_dot tvi_state_last
+    tvi_ensemble_last""".split())
 
 
 def compile_c(text, *arguments):

@@ -233,32 +233,46 @@ class Refusals(unittest.TestCase):
         it = tvi.Integrator(kepler(), [1, 0], [0, 1])
         it.integrate(0.1, 5)
         state = it.save()
-        for bad in (b"", b"x", state[:-1], state + b"0", bytes(len(state)), state[:50] + b"?" + state[51:]):
+        old = b"tvistate" + bytes(8)  # as version 0.2.0 wrote
+        for bad in (b"", b"x", state[:-2], state + b"0", bytes(len(state)), state[:50] + b"?" + state[51:], old):
             self.refused(tvi.Error, "", it.load, bad)
             self.refused(tvi.Error, "", tvi.peek, bad)
+        orbits = tvi.Ensemble(kepler(), [[1, 0]] * 3, [0, 1])
+        for one in (it, orbits):
+            self.refused(tvi.Error, "write them with tvi_state_to_text", one.load, old)
+            remake, (*made_of, kept) = one.__reduce__()
+            self.refused(tvi.Error, "write them with tvi_state_to_text", remake, *made_of, (old, *kept[1:]))
+        orbits.integrate(0.1, 3)
+        states = orbits.save()
+        for bad in (state, states + state, states[:-5], states[:len(states) // 3], b" " + states, 2 * states[:200]):
+            self.refused(tvi.Error, "", orbits.load, bad)
+        self.assertEqual(orbits.save(), states)
         for bad in ("text", None, 5, np.zeros(len(state), dtype="V0"), np.frombuffer(state, dtype=np.uint8)[::2]):
             self.refused((TypeError, ValueError, BufferError, tvi.Error), "", it.load, bad)
             self.refused((TypeError, ValueError, BufferError, tvi.Error), "", tvi.peek, bad)
         self.refused(tvi.Error, "", tvi.Integrator(spring(), [1], p=0).load, state)
-        self.refused(tvi.Error, "", tvi.Ensemble(kepler(), [1, 0], p=0).load, state)
+        alone = tvi.Ensemble(kepler(), [1, 0], p=0)
+        alone.load(state)  # An ensemble of one member has its text.
+        self.assertEqual((alone.t[0], alone.save()), (it.t, state))
         self.refused(tvi.Error, "", it.dense, 2)
         self.refused(tvi.Error, "no last step", tvi.Integrator(kepler(), [1, 0], p=0).dense, 0.5)
         it.step(0.1)
         self.assertEqual(tvi.peek(it.save())[0], it.t)
         it.reset()
-        self.refused(tvi.Error, "before a step", tvi.peek, it.save())
-        it.load(np.frombuffer(state, dtype=float))  # as many bytes in fewer elements
-        self.assertEqual((it.t, len(state) % 8), (0.5, 0))
+        self.assertEqual(tvi.peek(it.save())[0], it.t)
+        it.load(np.frombuffer(state + b"\n" * (-len(state) % 8), dtype=float))  # as many bytes in fewer elements
+        self.assertEqual(it.t, 0.5)
+        it.load(state.decode())
 
     def test_texts(self):
         it, orbits = tvi.Integrator(kepler(), [1, 0], [0, 1]), tvi.Ensemble(kepler(), [[1, 0]] * 3, p=0)
         text = it.to_text()
-        for bad in ("", "x", text[:-20], text + "0", text.replace("0x1p", "0x2p"), text + "\0", "\u00e4" + text):
+        for bad in ("", "x", text[:-20], text + "0", text.replace("0x1.", "0x2."), text + "\0", "\u00e4" + text):
             self.refused(tvi.Error, "text", it.from_text, bad)
             self.refused(tvi.Error, "text", orbits.member_from_text, 1, bad)
-        for bad in (b"text", None, 5):
-            self.refused(TypeError, "a string", it.from_text, bad)
-            self.refused(TypeError, "a string", orbits.member_from_text, 1, bad)
+        for bad in (None, 5):
+            self.refused(TypeError, "a string or bytes", it.from_text, bad)
+            self.refused(TypeError, "a string or bytes", orbits.member_from_text, 1, bad)
         self.refused(tvi.Error, "another dimension", tvi.Integrator(spring(), [1], p=0).from_text, text)
         self.refused(ValueError, "member = 3", orbits.member_to_text, 3)
         self.refused(ValueError, "member = -1", orbits.member_from_text, -1, text)

@@ -3,6 +3,7 @@
 import math
 import os
 import unittest
+import warnings
 
 import numpy as np
 
@@ -277,6 +278,18 @@ class Many(unittest.TestCase):
         other.load(one.save())
         one.integrate(0.1, 100), other.integrate(0.1, 100)
         self.assertTrue(same_bits(one.q, other.q))
+        self.assertEqual(one.stats, other.stats)
+
+    def test_histories_of_others(self):
+        """The history of another method is dropped, with a warning."""
+        one, other = (tvi.Integrator(kepler(), [1, 0], [0, 1], order=order) for order in (8, 12))
+        one.integrate(0.1, 5)
+        with self.assertWarnsRegex(UserWarning, "history of the steps is of another .* and was dropped"):
+            other.load(one.save())
+        self.assertEqual((other.t, other.q.tolist(), other.stats.steps), (0.5, one.q.tolist(), 0))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            one.load(one.save())
 
     def test_texts(self):
         """Values of parameters travel, too, by their names."""

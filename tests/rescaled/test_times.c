@@ -1,6 +1,7 @@
 /* test_times.c - Tests results, ends and events at given times of a run whose steps are in s; and what a run goes on
  * from. */
 #include "rescaled.h"
+#include "problems/texts.h"
 
 #include <float.h>
 #include <math.h>
@@ -240,17 +241,13 @@ START_TEST(saved_states)
 {
     run r = open_run(rescaled_system(2, driven_mass, driven, driven_scale), NULL, 0, &(state){0});
     tvi_integrator *other;
-    size_t size;
     state x;
     r.x = driven_start();
     ck_assert_int_eq(run_steps(&r, 0.5, 9), TVI_OK);
-    ck_assert_int_eq(tvi_state_save(r.integrator, NULL, &size), TVI_OK);
-    char *saved = malloc(size);
-    ck_assert_int_eq(tvi_state_save(r.integrator, saved, &size), TVI_OK);
+    char *saved = text_of_state(r.integrator, r.x.t, r.x.q, r.x.p);
     ck_assert_int_eq(tvi_integrator_create(&other, r.system, NULL), TVI_OK);
-    ck_assert_int_eq(tvi_state_load(other, saved, size), TVI_OK);
     x = (state){0};
-    ck_assert_int_eq(tvi_state_last(other, &x.t, x.q, x.p), TVI_OK);
+    ck_assert_int_eq(tvi_state_from_text(other, saved, strlen(saved), &x.t, x.q, x.p), TVI_OK);
     ck_assert(memcmp(&x, &r.x, sizeof x) == 0);
     ck_assert_int_eq(run_steps(&r, 0.5, 9), TVI_OK);
     ck_assert_int_eq(tvi_integrate(other, 0.5, 9, &x.t, x.q, x.p, NULL, NULL), TVI_OK);

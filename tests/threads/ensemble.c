@@ -84,7 +84,7 @@ static tvi_status go(tvi_ensemble *ensemble, const tvi_event *const events[], re
         status = tvi_ensemble_run(ensemble, &plans[k], r->t, r->q, r->p, r->status);
     }
     if (status == TVI_OK) status = tvi_ensemble_last(ensemble, r->t, r->q, r->p, r->status);
-    return status == TVI_OK ? tvi_ensemble_save(ensemble, NULL, &size) : status;
+    return status == TVI_OK ? tvi_ensemble_member_to_text(ensemble, 0, r->t, r->q, r->p, NULL, &size) : status;
 }
 
 static tvi_status run(const tvi_system *system, const char *name, int order, int threads, result *r)

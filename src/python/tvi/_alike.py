@@ -1,15 +1,17 @@
-"""What integrators and ensembles have alike: what they are made of, counts, saved bytes, and who may use them."""
+"""What integrators and ensembles have alike: what they are made of, counts, texts of states, and who may use them."""
 
 from __future__ import annotations
 
 import threading
+import warnings
 from contextlib import contextmanager
 from typing import Any, Callable, Iterator, NamedTuple
 
 import numpy as np
 
 from ._arguments import required_system
-from ._library import Handle, check, ffi
+from ._arrays import Doubles
+from ._library import Handle, check, ffi, lib
 from ._methods import Method, method_of
 from ._systems import System
 
@@ -86,22 +88,37 @@ class Busy:
                 self._is_running = False
 
 
-def saved(save: Callable, *of: Any) -> bytes:
+def written(write: Callable, *of: Any) -> bytes:
+    """The text of a state."""
     size = ffi.new("size_t *")
-    check(save(*of, ffi.NULL, size))
+    check(write(*of, ffi.NULL, size))
     buffer = ffi.new("char[]", size[0])
-    check(save(*of, buffer, size))
+    check(write(*of, buffer, size))
     return ffi.buffer(buffer, size[0])[:]
 
 
 def encoded(text: Any) -> bytes:
     """The characters of a state as text."""
-    if not isinstance(text, str):
-        raise TypeError(f"text is a string, not {type(text).__name__}")
-    return text.encode()
+    if isinstance(text, str):
+        return text.encode()
+    if not isinstance(text, (bytes, bytearray, memoryview, np.ndarray)):
+        raise TypeError(f"text is a string or bytes, not {type(text).__name__}")
+    return memoryview(text).tobytes()
 
 
-def values_in(text: str) -> np.ndarray:
-    """The values of parameters in a state as text that the library has read."""
-    words = text.split()
-    return np.array([float.fromhex(x) for name, x in zip(words, words[1:]) if name == "value"])
+def looked_at(characters: bytes) -> tuple[float, np.ndarray, np.ndarray]:
+    """t, q [n] and p [n] of a text."""
+    n, size = ffi.new("int *"), len(characters)
+    check(lib.tvi_state_peek(characters, size, n, ffi.NULL, ffi.NULL, ffi.NULL))
+    t, q, p = Doubles(1), Doubles(n[0]), Doubles(n[0])
+    check(lib.tvi_state_peek(characters, size, n, t.pointer, q.pointer, p.pointer))
+    return float(t.array[0]), q.array.copy(), p.array.copy()
+
+
+def read(status: int, characters: bytes) -> np.ndarray:
+    """The values of parameters in a text that the library has just read. Warns if it dropped the history."""
+    check(status)
+    if dropped := ffi.string(lib.tvi_last_error()).decode():
+        warnings.warn(dropped, stacklevel=3)
+    words = characters.split()
+    return np.array([float.fromhex(x.decode()) for name, x in zip(words, words[1:]) if name == b"value"])

@@ -140,10 +140,7 @@ tvi_status tvi_dense(tvi_integrator *integrator, double theta, double q[], doubl
 tvi_status tvi_run(tvi_integrator *integrator, const tvi_run_plan *plan, double *t, double q[], double p[]);
 void tvi_integrator_reset(tvi_integrator *integrator);
 const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);
-tvi_status tvi_state_save(const tvi_integrator *integrator, void *buffer, size_t *size);
-tvi_status tvi_state_load(tvi_integrator *integrator, const void *buffer, size_t size);
-tvi_status tvi_state_peek(const void *buffer, size_t size, int *n, double *t, double q[], double p[]);
-tvi_status tvi_state_last(const tvi_integrator *integrator, double *t, double q[], double p[]);
+tvi_status tvi_state_peek(const char *text, size_t size, int *n, double *t, double q[], double p[]);
 tvi_status tvi_state_to_text(const tvi_integrator *integrator, double t, const double q[], const double p[], char *text,
                              size_t *size);
 tvi_status tvi_state_from_text(tvi_integrator *integrator, const char *text, size_t size, double *t, double q[],
@@ -159,9 +156,6 @@ void tvi_ensemble_reset(tvi_ensemble *ensemble);
 tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_run_plan *plan, double t[], double q[], double p[],
                      tvi_status status[]);
 tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats);
-tvi_status tvi_ensemble_save(const tvi_ensemble *ensemble, void *buffer, size_t *size);
-tvi_status tvi_ensemble_load(tvi_ensemble *ensemble, const void *buffer, size_t size);
-tvi_status tvi_ensemble_last(const tvi_ensemble *ensemble, double t[], double q[], double p[], tvi_status status[]);
 tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *ensemble, int member, const double t[], const double q[],
                                        const double p[], char *text, size_t *size);
 tvi_status tvi_ensemble_member_from_text(tvi_ensemble *ensemble, int member, const char *text, size_t size, double t[],

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any, Callable
 
 import numpy as np
 
-from ._alike import Busy, Made, Stats, encoded, saved, stats_of, values_in
+from ._alike import Busy, Made, Stats, encoded, looked_at, read, stats_of, written
 from ._arguments import answered, starts_of_many
 from ._arrays import MOST_STEPS, Array, Doubles, integer, pointer, spread
 from ._events import Recorded, events_of
-from ._library import ESTOPPED, Guard, Handle, Interrupted, STATUSES, apart, check, ffi, lib, make
+from ._library import ESTOPPED, Error, Guard, Handle, Interrupted, STATUSES, apart, check, ffi, lib, make
 from ._methods import Compiled, Method, code_for
 from ._runs import Course, Observers, Way, ended, new_plan
 from ._systems import System, energies, transforms
@@ -254,16 +255,24 @@ class Ensemble(Made):
             self._codes[:] = 0
 
     def save(self) -> bytes:
-        """All that the members hold between runs, as Integrator.save."""
+        """The texts of all members, one after the other, as Integrator.save."""
         with self._busy.asked():
-            return saved(lib.tvi_ensemble_save, self._handle.pointer)
+            state = self._state()[:3]
+            return b"".join(written(lib.tvi_ensemble_member_to_text, self._handle.pointer, member, *state)
+                            for member in range(self.members))
 
-    def load(self, state: bytes) -> None:
-        """Goes on from what save() returned, with as many members. Raises tvi.Error (EINVAL) as Integrator.load."""
-        with self._busy.running():
-            buffer = ffi.from_buffer(state)
-            check(lib.tvi_ensemble_load(self._handle.pointer, buffer, ffi.sizeof(buffer)))
-            lib.tvi_ensemble_last(self._handle.pointer, *self._state())
+    def load(self, texts: "str | bytes") -> None:
+        """Goes on from what save() returned, with as many members. Those that have failed are tried again. Raises
+        tvi.Error (EINVAL) as Integrator.load."""
+        characters = encoded(texts)
+        starts = [at.start() for at in re.finditer(rb"tvi state ", characters)] or [0]
+        each = [characters[a:b] for a, b in zip(starts, starts[1:] + [None])]
+        for text in each:
+            looked_at(text)
+        if len(each) != self.members or starts[0] != 0:
+            raise Error(f"the texts are of {len(each)} members, not {self.members}")
+        for member, text in enumerate(each):
+            self.member_from_text(member, text)
 
     def member_to_text(self, member: int) -> str:
         """The state of one member as Integrator.to_text; either reads it.
@@ -278,15 +287,15 @@ class Ensemble(Made):
         """
         member = integer("member", member, 0, self.members - 1)
         with self._busy.asked():
-            return saved(lib.tvi_ensemble_member_to_text, self._handle.pointer, member, *self._state()[:3]).decode()
+            return written(lib.tvi_ensemble_member_to_text, self._handle.pointer, member, *self._state()[:3]).decode()
 
-    def member_from_text(self, member: int, text: str) -> None:
+    def member_from_text(self, member: int, text: "str | bytes") -> None:
         """One member goes on from the text, as Integrator.from_text, and its status is "OK"."""
         member, characters = integer("member", member, 0, self.members - 1), encoded(text)
         with self._busy.running():
-            check(lib.tvi_ensemble_member_from_text(self._handle.pointer, member, characters, len(characters),
-                                                    *self._state()[:3]))
-            self._values[:, member] = values_in(text)
+            status = lib.tvi_ensemble_member_from_text(self._handle.pointer, member, characters, len(characters),
+                                                       *self._state()[:3])
+            self._values[:, member] = read(status, characters)
             self._codes[member] = 0
 
     def __reduce__(self) -> tuple:
@@ -300,10 +309,10 @@ class Ensemble(Made):
 
 def _again(system: System, method: Method, members: int, made_with: dict[str, Any], state: tuple) -> Ensemble:
     """The ensemble of a pickle."""
-    kept, t, q, p, tangent, values, status = state
+    texts, t, q, p, tangent, values, status = state
     ensemble = Ensemble(system, q, p, t=t, method=method, members=members, **made_with)
     ensemble._values = values
-    ensemble.load(kept)
+    ensemble.load(texts)
     ensemble.t, ensemble.q, ensemble.p, ensemble.tangent = t, q, p, tangent
     ensemble._codes[:] = status
     return ensemble
