@@ -1,4 +1,4 @@
-/* narrow.h - Finds a sign change of a function in a bracket. The search for events (events/search.c, events/finder.c)
+/* narrow.h - Finds a sign change of a function in a bracket. The search for events (events/finish.c)
  * and the computation of states at given times (integrator/partial_step.c) call it. */
 #ifndef TVI_SRC_ALGEBRA_NARROW_H
 #define TVI_SRC_ALGEBRA_NARROW_H

@@ -1,5 +1,5 @@
-/* tangent.h - Multiplies tangent vectors by the Jacobian matrix of a step (docs/method.md section 10). run.c,
- * times.c and locate.c call it. The method makes a step of the lifted system, whose state is the
+/* tangent.h - Multiplies tangent vectors by the Jacobian matrix of a step (docs/method.md section 10). run.c and
+ * times.c call it. The method makes a step of the lifted system, whose state is the
  * orbit's state together with one tangent vector. */
 #ifndef TVI_INTEGRATOR_TANGENT_H
 #define TVI_INTEGRATOR_TANGENT_H
@@ -28,7 +28,7 @@ void tvi_step_columns_free(tvi_step_columns *columns);
 
 /* Refuses tangent vectors that have an element which is not finite. */
 TVI_NODISCARD tvi_status tvi_columns_check_finite(const tvi_integrator *integrator, const tvi_tangent_columns *columns);
-/* The functions below update the columns of a run (run.c, times.c, locate.c). A run without tangent vectors has
+/* The functions below update the columns of a run (run.c, times.c). A run without tangent vectors has
  * columns->elements = NULL; all of them then do nothing. */
 
 /* Prepares a run: stores the user's columns as those from which the first step starts. */

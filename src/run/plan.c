@@ -56,7 +56,7 @@ tvi_status tvi_plan_check(const tvi_integrator *it, const tvi_run_plan *plan)
     const char *reason = plan ? find_contradiction(plan) : "plan is NULL";
     if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
     if (!isfinite(plan->h)) return jet_refuse(TVI_EINVAL, "h = %g is not finite", plan->h);
-    if (!tvi_events_match_dimension(it, plan->events, plan->event_count)) return TVI_EINVAL;
+    if (!tvi_events_match_dimension(it->system->n, plan->events, plan->event_count)) return TVI_EINVAL;
     return plan->tolerance != 0 ? check_tolerance(it, plan->tolerance) : TVI_OK;
 }
 

@@ -7,6 +7,7 @@
 #include <float.h>
 #include <limits.h>
 #include <math.h>
+#include <string.h>
 
 /* [steps] A run fails after this many consecutive steps that hardly move its time. */
 #define RUN_MAX_SLOW_STEPS (1 << 16) /* found: make check-rescaled */
@@ -71,7 +72,7 @@ typedef struct {
     const tvi_single_run *run;
     const tvi_run_plan *plan;
     tvi_times_progress *times; /* NULL if the run has no given times */
-    tvi_locator *locator;      /* NULL if the run has no events */
+    tvi_event_search *events;  /* NULL if the run has no events */
     long most_steps_per_call;  /* 1 if an observer, an event, a given time or the tangent vectors need each step */
     long step_count;           /* the number of steps that the run has made */
     long slow_step_count;      /* the number of steps since the last one that has moved the time */
@@ -159,14 +160,79 @@ static tvi_status check_time_advances(run_in_progress *running, long steps)
                             left);
 }
 
+/* Calls the observer of events with the index of an event and a state [2n + 1]. Returns true if the observer ends the
+ * run. */
+static bool report_event(const run_in_progress *running, int event_index, const double state[])
+{
+    const int n = running->integrator->system->n;
+    const tvi_observers *observers = &running->run->observers;
+    if (!observers->on_event) return false;
+    __attribute__((cleanup(tvi_end_observer_call))) tvi_integrator *called = running->integrator;
+    called->is_in_observer = true;
+    return observers->on_event(event_index, state[2 * n], state, state + n, observers->ctx) != 0;
+}
+
+/* Ends the run at a root of the last step, and reports the other events that lie there. t, q and p become those of the
+ * root. */
+static tvi_status stop_at_root(const run_in_progress *running, const tvi_event_root *root, double *t, double q[],
+                               double p[])
+{
+    const size_t n = (size_t)running->integrator->system->n;
+    const tvi_status status = tvi_events_stop_run(running->events, root);
+    if (status != TVI_OK) return status;
+    for (int event_index = 0; event_index < running->events->event_count; event_index++)
+        if (running->events->watched_events[event_index].is_unreported_at_stop)
+            (void)report_event(running, event_index, root->state);
+    tvi_integrator_reset(running->integrator);
+    *t = root->state[2 * n];
+    memcpy(q, root->state, n * sizeof *q);
+    memcpy(p, root->state + n, n * sizeof *p);
+    return TVI_ESTOPPED;
+}
+
+/* Reports a root of the last step, and before it the given times that come first. The tangent vectors become those
+ * at the root, if the observer of events may read them, or the user after a terminal event. Returns TVI_ESTOPPED if
+ * the run ends there. */
+static tvi_status report_root(const run_in_progress *running, const tvi_event_root *root, double *t, double q[],
+                              double p[])
+{
+    tvi_integrator *it = running->integrator;
+    const tvi_single_run *run = running->run;
+    const bool is_terminal = root->watched->event->is_terminal;
+    tvi_status status =
+        running->times ? tvi_times_report_until(running->times, root->state[2 * it->system->n]) : TVI_OK;
+    if (status == TVI_OK && (run->observers.on_event || is_terminal))
+        status = tvi_columns_propagate_to_offset(it, &run->columns, root->theta * it->h,
+                                                 running->events->partial_step.partial_step_integrator->parameters);
+    if (status != TVI_OK) return status;
+    const bool ends = report_event(running, root->watched->index, root->state) || is_terminal;
+    return ends ? stop_at_root(running, root, t, q, p) : TVI_OK;
+}
+
+/* Reports the events of the last step, in the order of time. A step that repeats a stop is undone. */
+static tvi_status report_events(const run_in_progress *running, double *t, double q[], double p[])
+{
+    const tvi_tangent_columns *columns = &running->run->columns;
+    const tvi_event_search *events = running->events;
+    tvi_status status = tvi_events_find(running->events);
+    if (events->repeats_stop) {
+        tvi_integrator_undo_step(running->integrator, t, q, p);
+        tvi_columns_restore_step_start(running->integrator, columns);
+        return status;
+    }
+    for (int i = 0; i < events->root_count && status == TVI_OK; i++)
+        status = report_root(running, &events->roots[i], t, q, p);
+    if (status != TVI_ESTOPPED) tvi_columns_restore_step_end(running->integrator, columns);
+    return status;
+}
+
 /* Reports the given times and the events that lie in the step just made, and then the step itself. */
 static tvi_status report_times_events_and_step(const run_in_progress *running, long step, double *t, double q[],
                                                double p[])
 {
     const tvi_observers *observers = &running->run->observers;
     tvi_status status = running->times ? tvi_partial_step_set_parameters(&running->times->partial_step) : TVI_OK;
-    if (status == TVI_OK && running->locator)
-        status = tvi_locator_report_events(running->locator, running->times, t, q, p);
+    if (status == TVI_OK && running->events) status = report_events(running, t, q, p);
     if (status == TVI_OK && running->times) status = tvi_times_report_until(running->times, *t);
     if (status != TVI_OK) return status;
     const bool stops = tvi_call_observer(running->integrator, observers->at_step,
@@ -175,7 +241,7 @@ static tvi_status report_times_events_and_step(const run_in_progress *running, l
 }
 
 /* Frees what the run has opened, also where an exception leaves an observer. */
-static void close_locator(tvi_locator **locator) { tvi_locator_close(*locator); }
+static void close_events(tvi_event_search **events) { tvi_events_close(*events); }
 static void close_times(tvi_times_progress *times) { tvi_times_close(times); }
 
 /* An observer that has reset the integrator could step it. */
@@ -192,10 +258,11 @@ static tvi_status make_all_steps(run_in_progress *running, double *t, double q[]
     const tvi_integrator *it = running->integrator;
     const double *const state[] = {q, p};
     const bool has_end_time = plan->has_t_end || plan->tolerance > 0 || plan->time_count > 0;
-    __attribute__((cleanup(close_locator))) tvi_locator *locator = NULL;
-    tvi_status status =
-        plan->event_count > 0 ? tvi_locator_open(&locator, running->integrator, running->run, *t, state) : TVI_OK;
-    running->locator = locator;
+    __attribute__((cleanup(close_events))) tvi_event_search *events = NULL;
+    tvi_status status = plan->event_count > 0
+                            ? tvi_events_open(&events, running->integrator, plan->events, plan->event_count, *t, state)
+                            : TVI_OK;
+    running->events = events;
     while (!running->is_at_end && status == TVI_OK) {
         const long before = running->step_count;
         status = make_next_steps(running, t, q, p);

@@ -3,8 +3,8 @@
 #ifndef TVI_SRC_RUN_RUN_H
 #define TVI_SRC_RUN_RUN_H
 
+#include "events/events.h"
 #include "integrator/tangent.h"
-#include "run/locate.h"
 
 /* The functions that a run calls after each step, at each given time, and at each event. Each may be NULL. */
 typedef struct {
@@ -14,7 +14,7 @@ typedef struct {
 } tvi_observers;
 
 /* The arguments of a run of one integrator: its plan, the observers that are called, and its tangent vectors. */
-struct tvi_single_run {
+typedef struct {
     /* The step size, the end of the run, the given times and the events, which tvi_plan_check has accepted. The
      * observers of the plan are not used here. */
     const tvi_run_plan *plan;
@@ -22,7 +22,7 @@ struct tvi_single_run {
     /* The tangent vectors that the run's steps propagate; elements = NULL if there are none. */
     tvi_tangent_columns columns;
     long step_count_before_segment; /* the number of steps in earlier segments of an ensemble's run */
-};
+} tvi_single_run;
 
 /* Runs the integrator. It returns TVI_ESTOPPED if an observer or an event ends the run, and otherwise the status of the
  * step that fails or of the argument that is refused. */

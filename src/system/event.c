@@ -72,6 +72,20 @@ void tvi_event_free(tvi_event *event)
     free(event);
 }
 
+bool tvi_events_match_dimension(int n, const tvi_event *const events[], int count)
+{
+    if (count < 0 || (count > 0 && !events)) {
+        (void)jet_refuse(TVI_EINVAL, count < 0 ? "count = %d is negative" : "events is NULL", count);
+        return false;
+    }
+    for (int i = 0; i < count; i++)
+        if (!events[i] || events[i]->n != n) {
+            (void)jet_refuse(TVI_EINVAL, "events[%d] is %s", i, events[i] ? "of another dimension" : "NULL");
+            return false;
+        }
+    return true;
+}
+
 tvi_status tvi_event_evaluate(const tvi_event *event, double *block, const double *x, double *g)
 {
     memcpy(block, x, (2 * (size_t)event->n + 1) * sizeof *x);

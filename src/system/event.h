@@ -28,6 +28,10 @@ static inline bool tvi_event_reports_sign_change(const tvi_event *event, int g_s
 /* Tells whether the event leaves the roots of one direction unreported. */
 static inline bool tvi_event_skips_a_direction(const tvi_event *event) { return event->direction != TVI_EITHER; }
 
+/* Tells whether all events were made for systems with n coordinates. If the result is false, the text of tvi_last_error
+ * names the first event that was not. */
+bool tvi_events_match_dimension(int n, const tvi_event *const events[], int event_count);
+
 /* Computes g at x [2n + 1] = (q, p, t), in a block of the event's tape. Returns TVI_EDOMAIN or TVI_ENONFINITE if g
  * has no finite value. */
 TVI_NODISCARD tvi_status tvi_event_evaluate(const tvi_event *event, double *block, const double *x, double *g);

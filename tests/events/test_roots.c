@@ -3,7 +3,7 @@
 #include "diary.h"
 #include "events.h"
 #include "problems/random.h"
-#include "events/dip.h"
+#include "events/events.h"
 
 #include <float.h>
 #include <math.h>

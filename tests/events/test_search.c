@@ -291,6 +291,28 @@ START_TEST(many_states_in_one_step)
 }
 END_TEST
 
+/* A wave whose root the samples show nearly to roundoff, more and less: the state is that of its time. */
+START_TEST(states_of_smooth_waves)
+{
+    for (double speed = 1; speed < 12; speed *= 1.03) {
+        static diary d;
+        double speed_phase[] = {speed, 0.1 * speed};
+        run r = run_open(&scene_kepler, "galerkin", 16), same = run_open(&scene_kepler, "galerkin", 16);
+        tvi_event *event = event_of(2, TVI_RISING, wave, speed_phase);
+        d = (diary){0};
+        watch(&r, 0.25, 1, &event, 1, NULL, &d);
+        ck_assert_int_eq(d.count, 1);
+        ck_assert_int_eq(run_steps(&same, d.at[0].t, 1), TVI_OK);
+        for (int k = 0; k < 2; k++) {
+            ck_assert_double_eq_tol(d.at[0].q[k], same.x.q[k], 4 * DBL_EPSILON);
+            ck_assert_double_eq_tol(d.at[0].p[k], same.x.p[k], 4 * DBL_EPSILON);
+        }
+        run_close(&r);
+        run_close(&same);
+    }
+}
+END_TEST
+
 /* ---- Least |g| --------------------------------------------------------------------------------------------------- */
 
 /* (t - T)^4 - w^4, and the same with -w^4: no parabola. */
@@ -350,6 +372,7 @@ Suite *suite_search(void)
     tcase_add_test(tcase, pericentres);
     tcase_add_loop_test(tcase, moved_between_steps, 0, 3);
     tcase_add_loop_test(tcase, many_states_in_one_step, 0, 10);
+    tcase_add_test(tcase, states_of_smooth_waves);
     tcase_add_loop_test(tcase, flat_dips_are_followed, 0, 7);
     tcase_add_loop_test(tcase, soon_after_the_start, 0, 3);
     suite_add_tcase(suite, tcase);
