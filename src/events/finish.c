@@ -35,7 +35,7 @@ static tvi_status add_state(void *ctx, double theta, double *g)
 {
     tvi_event_search *search = ctx;
     double *x = search->before.x;
-    tvi_status status = tvi_partial_step_compute_state(&search->partial_step, theta * search->integrator->h);
+    tvi_status status = tvi_partial_step_compute_state(&search->partial_step, theta * search->integrator->last_step.h);
     if (status != TVI_OK) return status;
     tvi_partial_step_copy_state(&search->partial_step, x);
     status = tvi_watched_evaluate(search->sought->watched, x, g);

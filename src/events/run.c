@@ -138,7 +138,7 @@ static bool is_root_before(const tvi_event_search *search, const tvi_event_root 
 {
     const int t = search->state_size - 1;
     if (fabs(a->theta - b->theta) > EVENT_NEAR_STOP) return a->theta < b->theta;
-    const double way = (a->state[t] - b->state[t]) * search->integrator->covered_time;
+    const double way = (a->state[t] - b->state[t]) * search->integrator->last_step.covered_time;
     return way < 0 || (way == 0 && a->watched->index < b->watched->index);
 }
 
@@ -235,7 +235,7 @@ static tvi_status check_skipped_root_at_stop(tvi_watched_event *w, const tvi_eve
 {
     const tvi_event_search *search = w->search;
     const double t = stop->state[search->state_size - 1];
-    const double resolved = EVENT_SAME_STOP * fabs(t / search->integrator->covered_time);
+    const double resolved = EVENT_SAME_STOP * fabs(t / search->integrator->last_step.covered_time);
     double g = 0;
     if (!tvi_event_skips_a_direction(w->event) || !(stop->theta < 1 - fmax(EVENT_NEAR_STOP, resolved)) ||
         (later_root && later_root->theta - stop->theta <= tvi_sample_theta[0]))

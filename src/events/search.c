@@ -79,7 +79,7 @@ static void copy_run_state(const tvi_event_search *search, const tvi_run_state *
 static tvi_status is_g_roundoff(tvi_watched_event *w, bool *is_roundoff)
 {
     const tvi_event_search *search = w->search;
-    const tvi_run_state *ends[] = {&search->integrator->start, &search->integrator->state};
+    const tvi_run_state *ends[] = {&search->integrator->last_step.start, &search->integrator->state};
     const int time = search->state_size - 1;
     double roundoff[2] = {0}, *state = search->scratch_state, *size = search->scratch_sizes;
     tvi_status status = TVI_OK;
@@ -129,7 +129,7 @@ static tvi_status evaluate_events_at_start(tvi_event_search *search)
     const int size = search->state_size;
     double *state = search->scratch_state;
     tvi_status status = TVI_OK;
-    copy_run_state(search, &search->integrator->start, state);
+    copy_run_state(search, &search->integrator->last_step.start, state);
     for (int i = 0; i < size; i++)
         for (int k = 0; k < TVI_SAMPLES; k++) search->joint_tape_block[i * TVI_SAMPLES + k] = state[i];
     const bool inside = jet_sweep_values(search->joint_tape, search->joint_tape_block, TVI_SAMPLES);
@@ -146,18 +146,18 @@ tvi_status tvi_watched_evaluate_change(void *ctx, double theta, double *g_per_th
 {
     tvi_watched_event *w = ctx;
     tvi_event_search *search = w->search;
-    const tvi_increments *increments = &search->partial_step.partial_step_integrator->increments;
+    const tvi_increments *increments = &search->partial_step.partial_step_integrator->last_step.increments;
     const int n = search->integrator->system->n;
     double scale, *state = search->scratch_state, *change = search->scratch_sizes;
     bool is_exact;
-    tvi_status status = tvi_partial_step_compute_state(&search->partial_step, theta * search->integrator->h);
+    tvi_status status = tvi_partial_step_compute_state(&search->partial_step, theta * search->integrator->last_step.h);
     if (status != TVI_OK) return status;
     for (int i = 0; i < n; i++) { /* to roundoff of the increments, not of the states */
         change[i] = increments->dq[i] + increments->dq_low[i];
         change[n + i] = increments->dp[i] + increments->dp_low[i];
     }
     change[2 * n] = increments->dq[n];
-    copy_run_state(search, &search->integrator->start, state);
+    copy_run_state(search, &search->integrator->last_step.start, state);
     status = tvi_event_compute_change(w->event, &w->local_series, state, change, g_per_theta, &scale, &is_exact);
     w->change_sign = fabs(*g_per_theta) > EVENT_ROUNDOFF_UNITS * DBL_EPSILON * scale ? tvi_sign(*g_per_theta) : 0;
     if (status == TVI_OK && !is_exact) {
@@ -182,11 +182,12 @@ static tvi_status find_sign_leaving_zero(tvi_watched_event *w)
     tvi_status status = tvi_watched_evaluate_change(w, tiny, &change);
     const int first = w->change_sign;
     if (status != TVI_OK) return status;
-    const double dt_dtheta = search->partial_step.partial_step_integrator->increments.dq[n] / tiny;
-    double theta = DBL_EPSILON * fmax(fabs(it->start.q[n]), fabs(it->state.q[n])) / fabs(dt_dtheta);
+    const double dt_dtheta = search->partial_step.partial_step_integrator->last_step.increments.dq[n] / tiny;
+    double theta = DBL_EPSILON * fmax(fabs(it->last_step.start.q[n]), fabs(it->state.q[n])) / fabs(dt_dtheta);
     if (!(theta > DBL_EPSILON && theta < tvi_sample_theta[0])) theta = DBL_EPSILON;
     status = tvi_watched_evaluate_change(w, theta, &change);
-    const bool is_momentum_changed = memcmp(it->start.p, it->stop->state + n, (size_t)n * sizeof *it->start.p) != 0;
+    const bool is_momentum_changed =
+        memcmp(it->last_step.start.p, it->stop->state + n, (size_t)n * sizeof *it->last_step.start.p) != 0;
     search->repeats_stop = status == TVI_OK && w->was_reported_at_stop && is_momentum_changed &&
                            first * w->change_sign < 0 && tvi_event_reports_sign_change(w->event, w->change_sign);
     if (search->repeats_stop)
@@ -464,7 +465,8 @@ static tvi_status search_event(tvi_watched_event *w)
 tvi_status tvi_search_last_step(tvi_event_search *search)
 {
     const long step = search->integrator->stats.steps;
-    const bool continues = search->last_searched_step_number > 0 && *search->integrator->was_state_from_step &&
+    const bool continues = search->last_searched_step_number > 0 &&
+                           *search->integrator->last_step.was_state_from_step &&
                            step == search->last_searched_step_number + 1;
     tvi_status status = continues ? TVI_OK : evaluate_events_at_start(search);
     search->root_count = 0;

@@ -19,12 +19,12 @@ static bool compute_true_forces(tvi_integrator *it, const double *q, const doubl
     const tvi_system *system = it->stepped;
     const jet_tape *tape = system->field_values;
     const int n = system->n;
-    memcpy(it->field_block, q, (size_t)n * sizeof *q);
-    if (system->form != TVI_SEPARABLE) memcpy(it->field_block + n, p, (size_t)n * sizeof *p);
-    tvi_system_write_time(system, it->field_block, 1, &q[n]);
-    if (!tape->interpreter_sweeps->values(tape, it->field_block, 1)) return false;
+    memcpy(it->guard.field_block, q, (size_t)n * sizeof *q);
+    if (system->form != TVI_SEPARABLE) memcpy(it->guard.field_block + n, p, (size_t)n * sizeof *p);
+    tvi_system_write_time(system, it->guard.field_block, 1, &q[n]);
+    if (!tape->interpreter_sweeps->values(tape, it->guard.field_block, 1)) return false;
     for (int i = 0; i < n; i++) {
-        const double out = it->field_block[tape->output_slot[i]];
+        const double out = it->guard.field_block[tape->output_slot[i]];
         force[i] = system->form == TVI_SEPARABLE ? out : -out;
     }
     return true;
@@ -107,7 +107,7 @@ static double squared_movement(const tvi_integrator *it, const step_bodies *bodi
 {
     double sum = 0;
     for (int k = 0; k < bodies->axes; k++) {
-        const double *dq = it->increments.dq;
+        const double *dq = it->last_step.increments.dq;
         const double d = dq[a * bodies->axes + k] - (b < 0 ? 0 : dq[b * bodies->axes + k]);
         sum += d * d;
     }
@@ -120,18 +120,18 @@ double tvi_defect_of_bodies(tvi_integrator *it)
     const int n = it->stepped->n;
     const step_bodies bodies = {system->axes > 0 ? system->n / system->axes : 0, system->axes, system->mass,
                                 tvi_largest_magnitude(system->n, system->mass, 1)};
-    double *at_end = it->curve_forces + n * TVI_FORCE_POINTS, largest = 0;
-    if (bodies.count == 0 || !it->curve_forces) return 0;
-    const int points = it->stepper->compute_curve_forces(it->work, it->curve_forces);
-    const double *const p[] = {it->state.p, it->end.p}, *const q[] = {it->state.q, it->end.q};
-    const double h_times_dt = fabs(it->h * it->increments.dq[system->n]);
+    double *at_end = it->guard.curve_forces + n * TVI_FORCE_POINTS, largest = 0;
+    if (bodies.count == 0 || !it->guard.curve_forces) return 0;
+    const int points = it->stepper->compute_curve_forces(it->work, it->guard.curve_forces);
+    const double *const p[] = {it->state.p, it->guard.end.p}, *const q[] = {it->state.q, it->guard.end.q};
+    const double h_times_dt = fabs(it->last_step.h * it->last_step.increments.dq[system->n]);
     tvi_set_step_end(it);
     for (int end = 0; end < 2; end++) {
         if (!compute_true_forces(it, q[end], p[end], at_end)) return INFINITY;
         for (int a = 0; a < bodies.count; a++) {
             double effect;
             const int b = nearest_body(&bodies, q[end], a);
-            const double defect = defect_of_body(&bodies, it->curve_forces, points, at_end, end, a, b, &effect);
+            const double defect = defect_of_body(&bodies, it->guard.curve_forces, points, at_end, end, a, b, &effect);
             const double movement = sqrt(squared_movement(it, &bodies, a, b));
             if (h_times_dt * effect > LEAST_EFFECT * movement) largest = fmax(largest, defect);
         }

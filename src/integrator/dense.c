@@ -13,17 +13,17 @@ tvi_status tvi_evaluate_dense_output(tvi_integrator *it, double theta, double *t
         tvi_integrator_copy_state(it, t, q, p);
         return TVI_OK;
     }
-    it->stepper->interpolate(it->work, theta, it->increments.dq, it->increments.dp);
-    it->increments.dq[it->stepped->n] = theta * it->h;
+    it->stepper->interpolate(it->work, theta, it->last_step.increments.dq, it->last_step.increments.dp);
+    it->last_step.increments.dq[it->stepped->n] = theta * it->last_step.h;
     for (int i = 0; i < n; i++) {
-        it->increments.dq[i] += it->start.q[i];
-        it->increments.dp[i] += it->start.p[i];
+        it->last_step.increments.dq[i] += it->last_step.start.q[i];
+        it->last_step.increments.dp[i] += it->last_step.start.p[i];
     }
-    if (!tvi_all_finite(n, it->increments.dq) || !tvi_all_finite(n, it->increments.dp))
+    if (!tvi_all_finite(n, it->last_step.increments.dq) || !tvi_all_finite(n, it->last_step.increments.dp))
         return jet_refuse(TVI_ENONFINITE, "the curve of the step overflows at theta = %g", theta);
-    memcpy(q, it->increments.dq, (size_t)n * sizeof *q);
-    memcpy(p, it->increments.dp, (size_t)n * sizeof *p);
-    *t = it->start.q[n] + (it->start.q_low[n] + it->increments.dq[n]);
+    memcpy(q, it->last_step.increments.dq, (size_t)n * sizeof *q);
+    memcpy(p, it->last_step.increments.dp, (size_t)n * sizeof *p);
+    *t = it->last_step.start.q[n] + (it->last_step.start.q_low[n] + it->last_step.increments.dq[n]);
     return TVI_OK;
 }
 
@@ -32,7 +32,7 @@ tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
     double t;
     if (!it || !q || !p) return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, &t, q, p, 1}, "");
     if (!(theta >= 0 && theta <= 1)) return jet_refuse(TVI_EINVAL, "theta = %g is not in [0, 1]", theta);
-    if (!it->has_dense_output) return jet_refuse(TVI_EINVAL, "there is no last step, or it failed");
+    if (!it->last_step.has_curve) return jet_refuse(TVI_EINVAL, "there is no last step, or it failed");
     return tvi_evaluate_dense_output(it, theta, &t, q, p);
 }
 
@@ -46,13 +46,14 @@ static void interpolate_at_all_sample_points(tvi_integrator *it, double *q, doub
 {
     const int n = it->system->n;
     for (int k = 0; k < TVI_SAMPLES; k++) {
-        it->stepper->interpolate(it->work, tvi_sample_theta[k], it->increments.dq, it->increments.dp);
-        it->increments.dq[it->stepped->n] = tvi_sample_theta[k] * it->h;
+        it->stepper->interpolate(it->work, tvi_sample_theta[k], it->last_step.increments.dq,
+                                 it->last_step.increments.dp);
+        it->last_step.increments.dq[it->stepped->n] = tvi_sample_theta[k] * it->last_step.h;
         for (int i = 0; i < n; i++) {
-            q[i * TVI_SAMPLES + k] = it->start.q[i] + it->increments.dq[i];
-            p[i * TVI_SAMPLES + k] = it->start.p[i] + it->increments.dp[i];
+            q[i * TVI_SAMPLES + k] = it->last_step.start.q[i] + it->last_step.increments.dq[i];
+            p[i * TVI_SAMPLES + k] = it->last_step.start.p[i] + it->last_step.increments.dp[i];
         }
-        t[k] = it->start.q[n] + (it->start.q_low[n] + it->increments.dq[n]);
+        t[k] = it->last_step.start.q[n] + (it->last_step.start.q_low[n] + it->last_step.increments.dq[n]);
     }
 }
 
@@ -61,8 +62,9 @@ void tvi_sample_dense_output(tvi_integrator *it, const tvi_component_range used_
     const int n = it->system->n, end = TVI_SAMPLES - 1;
     double *q = samples, *p = q + n * TVI_SAMPLES, *t = p + n * TVI_SAMPLES;
     if (it->stepper->sample && !tvi_is_rescaled(it)) {
-        it->stepper->sample(it->work, used_components, it->start.q, it->start.p, q, p);
-        for (int k = 0; k < end; k++) t[k] = it->start.q[n] + (it->start.q_low[n] + tvi_sample_theta[k] * it->h);
+        it->stepper->sample(it->work, used_components, it->last_step.start.q, it->last_step.start.p, q, p);
+        for (int k = 0; k < end; k++)
+            t[k] = it->last_step.start.q[n] + (it->last_step.start.q_low[n] + tvi_sample_theta[k] * it->last_step.h);
     } else {
         interpolate_at_all_sample_points(it, q, p, t);
     }

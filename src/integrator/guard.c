@@ -53,7 +53,7 @@
 static bool has_conserved_energy_to_check(const tvi_integrator *it)
 {
     const bool is_conserved = tvi_steps_K(it) || !(it->system->uses_time || it->system->is_driven);
-    return it->energy_work.tape_block && it->options.max_tail >= 0 && is_conserved;
+    return it->guard.energy_work.tape_block && it->options.max_tail >= 0 && is_conserved;
 }
 
 /* Tells whether the stepper computes a bound of the change of the energy in a step. With a bound, the energy is
@@ -97,7 +97,7 @@ static double search_line_direction_component(search_line line, double dq, doubl
 static double energy_or_nonfinite(tvi_integrator *it, const double *q, const double *p)
 {
     double H;
-    const tvi_status status = tvi_energy_compute(&it->energy_work, q[it->system->n], q, p, &H);
+    const tvi_status status = tvi_energy_compute(&it->guard.energy_work, q[it->system->n], q, p, &H);
     return status == TVI_OK ? H : status == TVI_ENONFINITE ? INFINITY : NAN;
 }
 
@@ -106,14 +106,14 @@ static double energy_or_nonfinite(tvi_integrator *it, const double *q, const dou
 static double H_at_zero_p_on_line(tvi_integrator *it, double factor_of_step_start_q, double distance, search_line line)
 {
     const int n = it->system->n;
-    const double *dq = it->increments.dq, *dp = it->increments.dp;
+    const double *dq = it->last_step.increments.dq, *dp = it->last_step.increments.dp;
     for (int i = 0; i < n; i++) {
-        it->end.q[i] = factor_of_step_start_q * it->state.q[i] +
-                       distance * search_line_direction_component(line, dq[i], dp[i], dq[n]);
-        it->end.p[i] = 0;
+        it->guard.end.q[i] = factor_of_step_start_q * it->state.q[i] +
+                             distance * search_line_direction_component(line, dq[i], dp[i], dq[n]);
+        it->guard.end.p[i] = 0;
     }
-    it->end.q[n] = it->state.q[n];
-    return energy_or_nonfinite(it, it->end.q, it->end.p);
+    it->guard.end.q[n] = it->state.q[n];
+    return energy_or_nonfinite(it, it->guard.end.q, it->guard.end.p);
 }
 
 static double H_at_zero_p_at_step_start(tvi_integrator *it) { return H_at_zero_p_on_line(it, 1, 0, FORWARD); }
@@ -122,10 +122,10 @@ void tvi_set_step_end(tvi_integrator *it)
 {
     const int n = it->stepped->n;
     for (int i = 0; i < n; i++) {
-        it->end.q[i] = it->state.q[i] + it->increments.dq[i];
-        it->end.p[i] = it->state.p[i] + it->increments.dp[i];
+        it->guard.end.q[i] = it->state.q[i] + it->last_step.increments.dq[i];
+        it->guard.end.p[i] = it->state.p[i] + it->last_step.increments.dp[i];
     }
-    it->end.q[n] = it->state.q[n] + it->increments.dq[n];
+    it->guard.end.q[n] = it->state.q[n] + it->last_step.increments.dq[n];
 }
 
 /* Tells whether H(q, -p) and H(q, p) agree at the end of the step, up to the relative difference
@@ -133,9 +133,9 @@ void tvi_set_step_end(tvi_integrator *it)
 static bool is_energy_even_in_p(tvi_integrator *it)
 {
     tvi_set_step_end(it);
-    const double H = energy_or_nonfinite(it, it->end.q, it->end.p);
-    for (int i = 0; i < it->system->n; i++) it->end.p[i] = -it->end.p[i];
-    return fabs(energy_or_nonfinite(it, it->end.q, it->end.p) - H) <= GUARD_LEVEL_MAX_DIFFERENCE * fabs(H);
+    const double H = energy_or_nonfinite(it, it->guard.end.q, it->guard.end.p);
+    for (int i = 0; i < it->system->n; i++) it->guard.end.p[i] = -it->guard.end.p[i];
+    return fabs(energy_or_nonfinite(it, it->guard.end.q, it->guard.end.p) - H) <= GUARD_LEVEL_MAX_DIFFERENCE * fabs(H);
 }
 
 /* Returns the limit of H(c q, 0) for large c, or NAN if there is none. The value at the largest c counts as the limit
@@ -191,7 +191,7 @@ static double energy_magnitude_at_run_start(tvi_integrator *it)
  * state is H, with the roundoff `roundoff`. */
 static void set_zero_level_and_scale(tvi_integrator *it, double H, double roundoff)
 {
-    tvi_reference_energy *reference = it->reference_energy;
+    tvi_reference_energy *reference = it->guard.reference_energy;
     const double limit = limit_of_H_at_zero_p(it, H, roundoff);
     const bool is_even_in_p = is_energy_even_in_p(it), has_limit = is_even_in_p && !isnan(limit);
     reference->zero_level = has_limit ? limit : is_even_in_p ? lowest_H_at_zero_p(it, roundoff) : 0;
@@ -207,7 +207,7 @@ static void set_zero_level_and_scale(tvi_integrator *it, double H, double roundo
  * for large q is kept. */
 static void lower_zero_level(tvi_integrator *it)
 {
-    tvi_reference_energy *reference = it->reference_energy;
+    tvi_reference_energy *reference = it->guard.reference_energy;
     if (!reference->can_zero_level_be_lowered) return;
     const double fall = reference->zero_level - H_at_zero_p_at_step_start(it);
     if (!(fall > 0) || !isfinite(fall)) return;
@@ -223,7 +223,7 @@ static void lower_zero_level(tvi_integrator *it)
 static double mean_p_dot_velocity(const tvi_integrator *it)
 {
     const int n = it->system->n;
-    const double *p = it->state.p, *dp = it->increments.dp, *dq = it->increments.dq;
+    const double *p = it->state.p, *dp = it->last_step.increments.dp, *dq = it->last_step.increments.dq;
     double p_dot_velocity = 0;
     for (int i = 0; i < n; i++) p_dot_velocity += (fabs(p[i]) + fabs(p[i] + dp[i])) * fabs(dq[i]);
     return p_dot_velocity / (2 * fabs(dq[n]));
@@ -235,7 +235,8 @@ static double mean_p_dot_velocity(const tvi_integrator *it)
 static double energy_roundoff(const tvi_integrator *it, double H)
 {
     const int n = it->system->n;
-    const double *q = it->state.q, *p = it->state.p, *dp = it->increments.dp, *dq = it->increments.dq;
+    const double *q = it->state.q, *p = it->state.p, *dp = it->last_step.increments.dp,
+                 *dq = it->last_step.increments.dq;
     double sum = 0;
     for (int i = 0; i < n; i++) sum += fabs(q[i] * dp[i]) + fabs(p[i] * dq[i]);
     return GUARD_ENERGY_ROUNDOFF * (sum / fabs(dq[n]) + fabs(H));
@@ -255,13 +256,13 @@ static double energy_change_scale(const tvi_reference_energy *reference, double 
  * step from rest by a method of order 1, which changes p only, so that p.dq/dt = 0. */
 static bool does_energy_change_too_much(tvi_integrator *it, double energy_after)
 {
-    tvi_reference_energy *reference = it->reference_energy;
+    tvi_reference_energy *reference = it->guard.reference_energy;
     const double before = reference->H;
     reference->is_H_known = isfinite(before) && isfinite(energy_after);
     if (!reference->is_H_known) return isfinite(before) && isinf(energy_after);
     reference->H = energy_after;
     const double p_dot_velocity = mean_p_dot_velocity(it), roundoff = energy_roundoff(it, before),
-                 change_of_e = tvi_steps_K(it) ? it->increments.dp[it->system->n] : 0,
+                 change_of_e = tvi_steps_K(it) ? it->last_step.increments.dp[it->system->n] : 0,
                  change = fabs(energy_after - before + change_of_e);
     const bool needs_scale = change > roundoff || (has_energy_change_bound(it) && !reference->was_zero_level_searched);
     if (!reference->has_energy_scale && needs_scale) set_zero_level_and_scale(it, before, roundoff);
@@ -276,10 +277,10 @@ static bool does_energy_change_too_much(tvi_integrator *it, double energy_after)
 /* Refuses a step that changes the energy too much. */
 static tvi_status refuse_by_energy_change(tvi_integrator *it)
 {
-    tvi_reference_energy *reference = it->reference_energy;
+    tvi_reference_energy *reference = it->guard.reference_energy;
     if (!reference->is_H_known) reference->H = energy_or_nonfinite(it, it->state.q, it->state.p);
     tvi_set_step_end(it);
-    const double energy_after = energy_or_nonfinite(it, it->end.q, it->end.p);
+    const double energy_after = energy_or_nonfinite(it, it->guard.end.q, it->guard.end.p);
     return does_energy_change_too_much(it, energy_after)
                ? jet_refuse(TVI_ETOOLARGE, "it changes the energy by what no step does")
                : TVI_OK;
@@ -300,7 +301,7 @@ static bool may_skip_energy_check(const tvi_integrator *it, bool step_used_serie
     const double tail = it->stats.tail;
     if (has_energy_change_bound(it))
         return it->stepper->bound_energy_change(it->work) <=
-               GUARD_MAX_ENERGY_CHANGE * it->reference_energy->energy_scale;
+               GUARD_MAX_ENERGY_CHANGE * it->guard.reference_energy->energy_scale;
     if (!is_tail_an_error_estimate(it, step_used_series)) return false;
     return step_used_series ? tail <= GUARD_UNCHECKED_SERIES_TAIL && passes <= GUARD_UNCHECKED_SERIES_PASSES
                             : tail <= GUARD_UNCHECKED_TAIL && passes <= GUARD_UNCHECKED_PASSES;
@@ -322,7 +323,7 @@ tvi_status tvi_refuse_too_large_step(tvi_integrator *it, bool step_used_series, 
         return jet_refuse(
             TVI_ETOOLARGE, "its tail %g is above max_tail = %g%s", tail, it->options.max_tail,
             it->stepped->has_automatic_scale ? ": the automatic g is too large here (give a g of your own)" : "");
-    const bool has_defect = it->curve_forces && it->options.degree >= GUARD_DEFECT_MIN_NODES;
+    const bool has_defect = it->guard.curve_forces && it->options.degree >= GUARD_DEFECT_MIN_NODES;
     if (has_defect && !may_skip_energy_check(it, step_used_series, passes)) {
         const double defect = tvi_defect_of_bodies(it);
         if (defect > it->stats.largest_defect) it->stats.largest_defect = defect;
@@ -332,6 +333,6 @@ tvi_status tvi_refuse_too_large_step(tvi_integrator *it, bool step_used_series, 
     }
     if (has_conserved_energy_to_check(it) && !may_skip_energy_check(it, step_used_series, passes))
         return refuse_by_energy_change(it);
-    it->reference_energy->is_H_known = false;
+    it->guard.reference_energy->is_H_known = false;
     return TVI_OK;
 }

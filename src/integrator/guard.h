@@ -14,7 +14,7 @@ tvi_unchecked_step_limits tvi_guard_unchecked_limits(const tvi_integrator *integ
  * Taylor series; its passes then contract faster. */
 TVI_NODISCARD tvi_status tvi_refuse_too_large_step(tvi_integrator *integrator, bool step_used_series, long passes);
 
-/* Sets it->end to the state at the end of the step, without low-order parts. */
+/* Sets it->guard.end to the state at the end of the step, without low-order parts. */
 void tvi_set_step_end(tvi_integrator *integrator);
 
 /* Returns the largest defect of the bodies of a step (defect.c), or 0 if the system is not known to be of bodies, or

@@ -11,7 +11,7 @@
  * itself. */
 static void *address_in_history_before(const tvi_integrator *it, const void *address_in_history)
 {
-    return it->history_before + ((const char *)address_in_history - it->history);
+    return it->history.before + ((const char *)address_in_history - it->history.now);
 }
 
 /* Allocates the four arrays of a state or of increments (p, q, p_low, q_low) with this number of coordinates.
@@ -28,15 +28,15 @@ static void allocate_state_arrays(tvi_arena *arena, void *(*allocate)(tvi_arena 
 static void allocate_state(tvi_integrator *integrator, tvi_arena *arena)
 {
     const int n = integrator->system->n, dimension = integrator->stepped->n;
-    tvi_run_state *state = &integrator->state, *end = &integrator->end;
-    tvi_increments *increments = &integrator->increments;
+    tvi_run_state *state = &integrator->state, *end = &integrator->guard.end;
+    tvi_increments *increments = &integrator->last_step.increments;
     allocate_state_arrays(arena, tvi_arena_allocate, dimension,
                           (double **[]){&increments->dp, &increments->dq, &increments->dp_low, &increments->dq_low});
     allocate_state_arrays(arena, tvi_arena_allocate_copied, dimension,
                           (double **[]){&state->p, &state->q, &state->p_low, &state->q_low});
     integrator->is_state_from_step = tvi_arena_allocate_copied(arena, sizeof *integrator->is_state_from_step);
     integrator->run_start = tvi_arena_allocate_uncopied(arena, (2 * (size_t)n + 1) * sizeof(double));
-    integrator->reference_energy = tvi_arena_allocate_copied(arena, sizeof *integrator->reference_energy);
+    integrator->guard.reference_energy = tvi_arena_allocate_copied(arena, sizeof *integrator->guard.reference_energy);
     end->q = tvi_arena_allocate_doubles(arena, (size_t)dimension + 1);
     end->p = tvi_arena_allocate_doubles(arena, (size_t)dimension);
     integrator->parameters = tvi_arena_allocate_doubles(arena, (size_t)tvi_system_parameters(integrator->system));
@@ -48,13 +48,12 @@ static void allocate_energy_memory(tvi_integrator *integrator, tvi_arena *arena)
 {
     const tvi_system *system = integrator->system;
     if (system->energy && (tvi_is_rescaled(integrator) || integrator->options.max_tail >= 0))
-        tvi_energy_allocate(&integrator->energy_work, arena, system);
-    if (tvi_steps_K(integrator))
-        tvi_energy_allocate_long_double(&integrator->rescaled_hamiltonian_work, arena, integrator->stepped);
+        tvi_energy_allocate(&integrator->guard.energy_work, arena, system);
+    if (tvi_steps_K(integrator)) tvi_energy_allocate_long_double(&integrator->guard.K_work, arena, integrator->stepped);
     if (system->axes > 0 && integrator->stepper->compute_curve_forces && integrator->options.max_tail >= 0)
-        integrator->curve_forces =
+        integrator->guard.curve_forces =
             tvi_arena_allocate_doubles(arena, (size_t)integrator->stepped->n * (TVI_FORCE_POINTS + 1));
-    integrator->field_block = tvi_arena_allocate_block(arena, integrator->stepped->field_values, 1, 1, 0);
+    integrator->guard.field_block = tvi_arena_allocate_block(arena, integrator->stepped->field_values, 1, 1, 0);
 }
 
 /* Lays out an integrator with all its memory in the arena. In a first call the arena only measures
@@ -69,21 +68,21 @@ static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *sy
     if (integrator) integrator->options = *options, options = &integrator->options;
     allocate_state(&laid, arena);
     allocate_energy_memory(&laid, arena);
-    laid.state_bytes = arena->copied_history_bytes;
+    laid.history.state_bytes = arena->copied_history_bytes;
     laid.work = stepper->allocate(arena, laid.stepped, options);
     laid.blocks = arena->first_tape_block;
-    laid.history = arena->history;
-    laid.copied_history_bytes = arena->copied_history_bytes;
-    laid.history_bytes = tvi_arena_history_bytes(arena);
-    laid.history_before = laid.history ? laid.history + laid.history_bytes : NULL;
+    laid.history.now = arena->history;
+    laid.history.copied_bytes = arena->copied_history_bytes;
+    laid.history.bytes = tvi_arena_history_bytes(arena);
+    laid.history.before = laid.history.now ? laid.history.now + laid.history.bytes : NULL;
     laid.stats.is_compiled = options->compiled != NULL;
     laid.stats.bytes = tvi_arena_total_bytes(arena);
     if (!integrator) return NULL;
     const tvi_run_state *state = &laid.state;
-    laid.start =
+    laid.last_step.start =
         (tvi_run_state){address_in_history_before(&laid, state->q), address_in_history_before(&laid, state->q_low),
                         address_in_history_before(&laid, state->p), address_in_history_before(&laid, state->p_low)};
-    laid.was_state_from_step = address_in_history_before(&laid, laid.is_state_from_step);
+    laid.last_step.was_state_from_step = address_in_history_before(&laid, laid.is_state_from_step);
     *integrator = laid;
     return integrator;
 }

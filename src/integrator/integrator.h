@@ -44,44 +44,57 @@ static inline size_t tvi_stop_bytes(int n) { return sizeof(tvi_event_stop) + (2 
  * parameters, and before a new stop is stored. */
 static inline void tvi_event_stop_clear(tvi_event_stop *stop, int n) { memset(stop, 0, tvi_stop_bytes(n)); }
 
+/* All numbers that one step leaves to the next one: states, predictions. It is all zeros before the first step of a
+ * run. */
+typedef struct {
+    char *now; /* [bytes] */
+    /* [copied_bytes] A copy of the first part, as it was before the last step was tried. */
+    char *before;
+    size_t bytes, copied_bytes;
+    size_t state_bytes; /* the bytes at the beginning that belong to the state; all further ones are the stepper's */
+} tvi_step_history;
+
+/* The last step that was tried. It is valid until the state is set by the user. */
+typedef struct {
+    tvi_run_state start;       /* the state at its start, in history.before */
+    double h, covered_time;    /* its size, and its increment of the time */
+    tvi_increments increments; /* its increments; scratch of dense output after it */
+    bool has_curve;            /* the stepper's memory holds its curve, for tvi_dense: it succeeded */
+    /* is_state_from_step in history.before: tells whether the step began at the result of the step before it. */
+    const long *was_state_from_step;
+} tvi_last_step;
+
+/* What the guard judges a step with. All but the reference energy is scratch. */
+typedef struct {
+    tvi_reference_energy *reference_energy; /* in the history */
+    tvi_run_state end;                      /* the state at the end of the step, without low-order parts */
+    tvi_energy_work energy_work;            /* memory to compute the energy; tape_block = NULL if unused */
+    tvi_energy_work K_work;                 /* memory to compute the Hamiltonian K of a rescaled system */
+    double *curve_forces; /* [n][TVI_FORCE_POINTS + 1] memory of defect.c; NULL if the system is not of bodies */
+    double *field_block;  /* memory to evaluate the forces, or the derivatives of L or H, at one point */
+} tvi_guard_memory;
+
 struct tvi_integrator {
     const tvi_system *system; /* the user's system, with n coordinates */
     /* The system that is stepped: the user's, or its rescaled form; with generated code if there is any. */
     const tvi_system *stepped;
     double *parameters;           /* [tvi_system_parameters] the values of the parameters */
+    long parameter_version;       /* the number of times that the parameters were set */
     const tvi_tape_block *blocks; /* the memory in which tapes are evaluated */
     tvi_options options;          /* the user's options, completed by default values */
     tvi_stats stats;              /* the counts of steps */
     const tvi_stepper *stepper;   /* makes the steps (tvi_choose_stepper) */
     void *work;                   /* the memory of the stepper */
-    char *history; /* [history_bytes] all numbers that one step leaves to the next one: states, predictions */
-    /* [copied_history_bytes] A copy of the first part of the history, as it was before the last step was tried. */
-    char *history_before;
-    size_t history_bytes;        /* the size of the history in bytes */
-    size_t copied_history_bytes; /* the size of the part of the history that is copied before each step, in bytes */
-    /* The number of bytes at the beginning of the history that belong to the state; all further bytes belong to the
-     * stepper. */
-    size_t state_bytes;
+    tvi_step_history history;
+    tvi_run_state state; /* the current state, in the history; state.q[stepped->n] is the time, or s */
     /* 1 if `state` is the result of the last successful step, so that the history belongs to it. It is part of the
      * history. */
     long *is_state_from_step;
-    /* is_state_from_step in history_before: tells whether the last step began at the result of the step before it. */
-    const long *was_state_from_step;
-    tvi_run_state state;       /* the current state, in the history */
-    tvi_run_state start;       /* the state at the start of the last step, in history_before */
-    tvi_event_stop *stop;      /* the last state at which events stopped a run */
-    long parameter_version;    /* the number of times that the parameters were set */
-    bool is_in_observer;       /* true while an observer is called, during which steps are refused */
-    bool has_dense_output;     /* true if the stepper's memory holds the last step, for tvi_dense */
-    double h, covered_time;    /* the size of the last step that was tried, and its increment of the time */
-    tvi_increments increments; /* the increments of the current step */
-    double *run_start;         /* [2n + 1] q, t and p at the start of the run, in the history */
-    tvi_reference_energy *reference_energy; /* in the history */
-    tvi_run_state end;           /* the state at the end of the step, without low-order parts; scratch of guard.c */
-    tvi_energy_work energy_work; /* memory to compute the energy; tape_block = NULL if unused */
-    tvi_energy_work rescaled_hamiltonian_work; /* memory to compute the Hamiltonian K of a rescaled system */
-    double *curve_forces; /* [n][TVI_FORCE_POINTS + 1] memory of defect.c; NULL if the system is not of bodies */
-    double *field_block;  /* memory to evaluate the forces, or the derivatives of L or H, at one point */
+    double *run_start;    /* [2n + 1] q, t and p at the start of the run, in the history */
+    tvi_event_stop *stop; /* the last state at which events stopped a run */
+    tvi_last_step last_step;
+    tvi_guard_memory guard;
+    bool is_in_observer;  /* true while an observer is called, during which steps are refused */
     tvi_tangent *tangent; /* memory for tangent vectors; NULL if they have not been used */
     void (*free_tangent)(tvi_tangent *tangent);
 };
@@ -144,9 +157,9 @@ static inline bool tvi_is_failure_of_member(tvi_status status)
 static inline double tvi_infinite_end_time(double h) { return copysign(INFINITY, h); }
 
 /* Makes up to most_steps steps of size h, and ends when the time reaches t_end or a step fails; at least one step is
- * made. If the tolerance is > 0, the stepper chooses the size of each step, at most h (stepper.h), and integrator->h is
- * the size that it chose. t, q and p are written once, after the last step or after the step before the first
- * failure. */
+ * made. If the tolerance is > 0, the stepper chooses the size of each step, at most h (stepper.h), and
+ * integrator->last_step.h is the size that it chose. t, q and p are written once, after the last step or after the step
+ * before the first failure. */
 TVI_NODISCARD tvi_status tvi_make_steps(tvi_integrator *integrator, long most_steps, double tolerance, double h,
                                         double t_end, double *t, double q[], double p[]);
 /* Computes the increments of a step of size h from the current state, and so the curve of the step, without making it.

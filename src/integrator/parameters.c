@@ -35,7 +35,7 @@ tvi_status tvi_integrator_set_parameters(tvi_integrator *it, const double value[
     memmove(it->parameters, value, (size_t)count * sizeof *value);
     tvi_integrator_apply_parameters(it);
     tvi_integrator_reset(it);
-    it->has_dense_output = false;
+    it->last_step.has_curve = false;
     tvi_event_stop_clear(it->stop, it->system->n); /* The events at the last stop had other parameters. */
     it->parameter_version++;
     return TVI_OK;

@@ -61,23 +61,24 @@ tvi_status tvi_partial_step_set_parameters(tvi_partial_step *partial_step)
 static void set_partial_step_history(tvi_partial_step *partial_step, double offset)
 {
     const tvi_integrator *it = partial_step->full_step_integrator;
-    const size_t state = partial_step->uses_history_after_step ? it->state_bytes : it->copied_history_bytes;
+    const size_t state = partial_step->uses_history_after_step ? it->history.state_bytes : it->history.copied_bytes;
     const bool is_near = partial_step->uses_history_after_step && partial_step->full_step_number == it->stats.steps &&
-                         partial_step->stored_state_offset != it->h && partial_step->stored_state_offset != 0 &&
-                         fabs(offset - partial_step->stored_state_offset) < PARTIAL_STEP_NEAR * fabs(it->h);
-    tvi_arena_copy_history(partial_step->partial_step_integrator->history, it->history_before, state);
+                         partial_step->stored_state_offset != it->last_step.h &&
+                         partial_step->stored_state_offset != 0 &&
+                         fabs(offset - partial_step->stored_state_offset) < PARTIAL_STEP_NEAR * fabs(it->last_step.h);
+    tvi_arena_copy_history(partial_step->partial_step_integrator->history.now, it->history.before, state);
     if (!is_near)
-        tvi_arena_copy_history(partial_step->partial_step_integrator->history + state, it->history + state,
-                               it->history_bytes - state);
+        tvi_arena_copy_history(partial_step->partial_step_integrator->history.now + state, it->history.now + state,
+                               it->history.bytes - state);
 }
 
 tvi_status tvi_partial_step_compute_state(tvi_partial_step *partial_step, double offset)
 {
     const tvi_integrator *it = partial_step->full_step_integrator;
     const size_t bytes = (size_t)it->system->n * sizeof *partial_step->q;
-    const bool is_end = offset == it->h;
+    const bool is_end = offset == it->last_step.h;
     if (partial_step->full_step_number == it->stats.steps && partial_step->stored_state_offset == offset) return TVI_OK;
-    const tvi_run_state *state = is_end ? &it->state : &it->start;
+    const tvi_run_state *state = is_end ? &it->state : &it->last_step.start;
     partial_step->t = state->q[it->system->n];
     memcpy(partial_step->q, state->q, bytes);
     memcpy(partial_step->p, state->p, bytes);
@@ -115,7 +116,7 @@ static tvi_status compute_time_beyond_target(void *ctx, double theta, double *g)
 {
     const time_target *target = ctx;
     const tvi_integrator *it = target->partial_step->full_step_integrator;
-    const tvi_increments *increments = &it->increments;
+    const tvi_increments *increments = &it->last_step.increments;
     it->stepper->interpolate(it->work, theta, increments->dq, increments->dp);
     *g = increments->dq[it->system->n] - target->time_from_start;
     return isfinite(*g) ? TVI_OK : jet_refuse(TVI_ENONFINITE, "the curve of the step overflows at theta = %g", theta);
@@ -143,13 +144,13 @@ static tvi_status compute_state_at_time_by_newton(tvi_partial_step *partial_step
                                                   double offset)
 {
     const tvi_integrator *partial = partial_step->partial_step_integrator;
-    const double h = partial_step->full_step_integrator->h;
+    const double h = partial_step->full_step_integrator->last_step.h;
     double dt_ds, best = offset, least = INFINITY;
     tvi_status status = TVI_OK;
     for (int count = 0; count < PARTIAL_STEP_MAX_CORRECTIONS && offset != 0 && offset != h; count++) {
         status = tvi_partial_step_compute_state(partial_step, offset);
         if (status != TVI_OK) return status;
-        const double rest = time_from_start - partial->covered_time;
+        const double rest = time_from_start - partial->last_step.covered_time;
         if (!(fabs(rest) < least)) break;
         best = offset;
         least = fabs(rest);
@@ -165,9 +166,10 @@ tvi_status tvi_partial_step_to_time(tvi_partial_step *partial_step, double time)
 {
     const tvi_integrator *it = partial_step->full_step_integrator;
     const int n = it->system->n;
-    const double h = it->h, time_from_start = (time - it->start.q[n]) - it->start.q_low[n];
-    const double offset = fmax(fmin(time_from_start * (h / it->covered_time), fmax(h, 0)), fmin(h, 0));
-    tvi_sign_bracket bracket = {0, -time_from_start, 1, it->covered_time - time_from_start};
+    const double h = it->last_step.h,
+                 time_from_start = (time - it->last_step.start.q[n]) - it->last_step.start.q_low[n];
+    const double offset = fmax(fmin(time_from_start * (h / it->last_step.covered_time), fmax(h, 0)), fmin(h, 0));
+    tvi_sign_bracket bracket = {0, -time_from_start, 1, it->last_step.covered_time - time_from_start};
     if (time == it->state.q[n]) return tvi_partial_step_compute_state(partial_step, h);
     /* Without rescaling steps are steps in time, so the offset is the difference of the times. */
     if (!tvi_is_rescaled(it)) return tvi_partial_step_compute_state(partial_step, offset);

@@ -342,13 +342,13 @@ static state_page page_of(const tvi_integrator *it)
                               (uint64_t)tape->sweeps->isa,
                               (uint64_t)tape->interpreter_sweeps->isa,
                               code,
-                              it->history_bytes,
+                              it->history.bytes,
                               LDBL_MANT_DIG};
     const uint64_t hash = jet_continue_hash(JET_HASH_OF_NOTHING, build, sizeof build);
     return (state_page){.n = it->system->n,
                         .parameter_count = tvi_system_parameters(it->system),
                         .own_hash = jet_continue_hash(hash, parts, sizeof parts),
-                        .own_words = (int64_t)(COUNTS + it->history_bytes / sizeof(uint64_t))};
+                        .own_words = (int64_t)(COUNTS + it->history.bytes / sizeof(uint64_t))};
 }
 
 /* Copy numbers and their low-order parts to pairs[count][2], and back. NULL stands for zeros, or for nothing. */
@@ -377,7 +377,7 @@ static void fill_page(state_page *page, const tvi_integrator *it, double t, cons
     memcpy(page->parameters, it->parameters, (size_t)page->parameter_count * sizeof *page->parameters);
     memcpy(page->stop, it->stop, tvi_stop_bytes(n));
     memcpy(page->history, &it->stats, offsetof(tvi_stats, bytes));
-    if (is_own) tvi_arena_copy_history((char *)(page->history + COUNTS), it->history, it->history_bytes);
+    if (is_own) tvi_arena_copy_history((char *)(page->history + COUNTS), it->history.now, it->history.bytes);
 }
 
 tvi_status tvi_state_to_text(const tvi_integrator *it, double t, const double q[], const double p[], char *text,
@@ -402,7 +402,7 @@ tvi_status tvi_state_to_text(const tvi_integrator *it, double t, const double q[
 static bool is_history_valid(const tvi_integrator *it)
 {
     const tvi_run_state *state = &it->state;
-    const tvi_reference_energy *reference = it->reference_energy;
+    const tvi_reference_energy *reference = it->guard.reference_energy;
     const int dimension = it->stepped->n;
     return tvi_all_finite(dimension + 1, state->q) && tvi_all_finite(dimension + 1, state->q_low) &&
            tvi_all_finite(dimension, state->p) && tvi_all_finite(dimension, state->p_low) &&
@@ -418,13 +418,13 @@ static tvi_status set_state(tvi_integrator *it, const state_page *page)
     const int n = it->system->n;
     const double *const q = page->state + 2, *const p = q + 2 * n;
     const tvi_run_state *state = &it->state;
-    split_pairs(n, q, it->end.q, NULL);
-    split_pairs(n, p, it->end.p, NULL);
+    split_pairs(n, q, it->guard.end.q, NULL);
+    split_pairs(n, p, it->guard.end.p, NULL);
     *it->is_state_from_step = false;
-    const tvi_status status = tvi_integrator_begin_step(it, page->state[0], it->end.q, it->end.p);
+    const tvi_status status = tvi_integrator_begin_step(it, page->state[0], it->guard.end.q, it->guard.end.p);
     if (status != TVI_OK || !page->is_from_step) return status;
     if (page->is_history_own)
-        tvi_arena_copy_history(it->history, (const char *)(page->history + COUNTS), it->history_bytes);
+        tvi_arena_copy_history(it->history.now, (const char *)(page->history + COUNTS), it->history.bytes);
     *it->is_state_from_step = true;
     split_pairs(1, page->state, &state->q[n], &state->q_low[n]);
     split_pairs(n, q, state->q, state->q_low);
@@ -437,19 +437,19 @@ static tvi_status set_state(tvi_integrator *it, const state_page *page)
 static tvi_status load_page(tvi_integrator *it, const state_page *page)
 {
     const size_t bytes = (size_t)page->parameter_count * sizeof(double);
-    char *former = malloc(it->history_bytes + bytes + 1);
+    char *former = malloc(it->history.bytes + bytes + 1);
     if (!former) return jet_explain_out_of_memory(TVI_ENOMEM);
-    tvi_arena_copy_history(former, it->history, it->history_bytes);
-    memcpy(former + it->history_bytes, it->parameters, bytes);
+    tvi_arena_copy_history(former, it->history.now, it->history.bytes);
+    memcpy(former + it->history.bytes, it->parameters, bytes);
     tvi_integrator_load_parameters(it, page->parameters, 1);
     const tvi_status status = set_state(it, page);
     if (status == TVI_OK) {
-        it->has_dense_output = false;
+        it->last_step.has_curve = false;
         memcpy(it->stop, page->stop, tvi_stop_bytes(it->system->n));
         if (page->is_history_own) memcpy(&it->stats, page->history, offsetof(tvi_stats, bytes));
     } else {
-        tvi_arena_copy_history(it->history, former, it->history_bytes);
-        tvi_integrator_load_parameters(it, (const double *)(former + it->history_bytes), 1);
+        tvi_arena_copy_history(it->history.now, former, it->history.bytes);
+        tvi_integrator_load_parameters(it, (const double *)(former + it->history.bytes), 1);
     }
     free(former);
     return status;

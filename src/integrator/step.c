@@ -38,7 +38,7 @@ void tvi_integrator_copy_state(const tvi_integrator *it, double *t, double q[], 
 static long double compute_rescaled_hamiltonian(tvi_integrator *it, double e)
 {
     it->state.p[it->system->n] = e;
-    return tvi_energy_compute_long_double(&it->rescaled_hamiltonian_work, 0, it->state.q, it->state.p);
+    return tvi_energy_compute_long_double(&it->guard.K_work, 0, it->state.q, it->state.p);
 }
 
 /* Sets e = -H(q, p, t) at the start of a run of a rescaled system, so that K = g (H + e) is 0 (docs/method.md,
@@ -48,7 +48,7 @@ static tvi_status set_energy_offset_e(tvi_integrator *it)
 {
     const int n = it->system->n;
     double H;
-    const tvi_status status = tvi_energy_compute(&it->energy_work, it->state.q[n], it->state.q, it->state.p, &H);
+    const tvi_status status = tvi_energy_compute(&it->guard.energy_work, it->state.q[n], it->state.q, it->state.p, &H);
     if (status != TVI_OK) return tvi_refuse_failed_evaluation("energy", status);
     const double apart = H != 0 ? H : 1;
     const long double there = compute_rescaled_hamiltonian(it, apart - H), here = compute_rescaled_hamiltonian(it, -H);
@@ -65,7 +65,7 @@ tvi_status tvi_integrator_begin_step(tvi_integrator *it, double t, const double 
     if (*it->is_state_from_step && tvi_integrator_state_equals(it, t, q, p)) return TVI_OK;
     if (!isfinite(t) || !tvi_all_finite((int)n, q) || !tvi_all_finite((int)n, p))
         return tvi_refuse_nonfinite_state((int)n, t, q, "p", p);
-    tvi_arena_copy_history(it->history, NULL, it->history_bytes);
+    tvi_arena_copy_history(it->history.now, NULL, it->history.bytes);
     memcpy(it->state.q, q, n * sizeof *q);
     memcpy(it->state.p, p, n * sizeof *p);
     it->state.q[n] = t;
@@ -78,29 +78,30 @@ tvi_status tvi_integrator_begin_step(tvi_integrator *it, double t, const double 
 
 /* ---- The increments ---------------------------------------------------------------------------------------------- */
 
-/* Computes the increments of a step of the size it->h. With a tolerance > 0 the stepper chooses the step size, at most
- * it->h, and it->h becomes that size. */
+/* Computes the increments of a step of the size it->last_step.h. With a tolerance > 0 the stepper chooses the step
+ * size, at most it->last_step.h, and it->last_step.h becomes that size. */
 static tvi_status compute_increments(tvi_integrator *it, double tolerance)
 {
     const tvi_stepper *stepper = it->stepper;
     const tvi_run_state *state = &it->state;
-    const tvi_increments *increments = &it->increments;
+    const tvi_increments *increments = &it->last_step.increments;
     const int dimension = it->stepped->n;
     const size_t bytes = (size_t)dimension * sizeof *increments->dq_low;
     const tvi_step_origin origin = {state->q[dimension], state->q_low[dimension], state->q, state->q_low, state->p,
                                     state->p_low};
     memset(increments->dq_low, 0, bytes);
     memset(increments->dp_low, 0, bytes);
-    const tvi_status status =
-        tolerance > 0 ? stepper->step_within_tolerance(it->work, tolerance, &it->h, &origin, increments, &it->stats)
-                      : stepper->step(it->work, it->h, &origin, increments, &it->stats);
-    it->increments.dq[dimension] = it->h; /* the independent variable of the steps, which add_increments adds */
+    const tvi_status status = tolerance > 0 ? stepper->step_within_tolerance(it->work, tolerance, &it->last_step.h,
+                                                                             &origin, increments, &it->stats)
+                                            : stepper->step(it->work, it->last_step.h, &origin, increments, &it->stats);
+    it->last_step.increments.dq[dimension] =
+        it->last_step.h; /* the independent variable of the steps, which add_increments adds */
     return status;
 }
 
 void tvi_integrator_compute_curve(tvi_integrator *it, double h)
 {
-    it->h = h;
+    it->last_step.h = h;
     (void)compute_increments(it, 0);
 }
 
@@ -113,14 +114,14 @@ static bool is_field_finite_at_start(tvi_integrator *it)
     const tvi_system *system = it->stepped;
     const jet_tape *tape = system->field_values;
     const int n = system->n;
-    memcpy(it->field_block, it->state.q, (size_t)n * sizeof *it->field_block);
-    for (int i = n; i < system->input_count; i++) it->field_block[i] = 0;
+    memcpy(it->guard.field_block, it->state.q, (size_t)n * sizeof *it->guard.field_block);
+    for (int i = n; i < system->input_count; i++) it->guard.field_block[i] = 0;
     if (system->form == TVI_HAMILTONIAN || system->form == TVI_FIELD)
-        memcpy(it->field_block + n, it->state.p, (size_t)n * sizeof *it->field_block);
-    tvi_system_write_time(system, it->field_block, 1, &it->state.q[n]);
-    bool is_finite = tape->interpreter_sweeps->values(tape, it->field_block, 1);
+        memcpy(it->guard.field_block + n, it->state.p, (size_t)n * sizeof *it->guard.field_block);
+    tvi_system_write_time(system, it->guard.field_block, 1, &it->state.q[n]);
+    bool is_finite = tape->interpreter_sweeps->values(tape, it->guard.field_block, 1);
     for (int i = 0; i < tape->output_count; i++)
-        is_finite = is_finite && isfinite(it->field_block[tape->output_slot[i]]);
+        is_finite = is_finite && isfinite(it->guard.field_block[tape->output_slot[i]]);
     return is_finite;
 }
 
@@ -154,7 +155,7 @@ static double find_overflows(int count, const double *x, const double *x_low, co
 static tvi_status check_new_state_is_finite(tvi_integrator *it)
 {
     const tvi_run_state *state = &it->state;
-    const tvi_increments *increments = &it->increments;
+    const tvi_increments *increments = &it->last_step.increments;
     const int n = it->stepped->n;
     if (find_overflows(n + 1, state->q, state->q_low, increments->dq) == 0 &&
         find_overflows(n, state->p, state->p_low, increments->dp) == 0)
@@ -173,10 +174,10 @@ static tvi_status check_new_state_is_finite(tvi_integrator *it)
  * h. */
 static tvi_status check_time_moves_with_h(const tvi_integrator *it)
 {
-    const double dt = it->increments.dq[it->system->n], t = it->state.q[it->system->n];
+    const double dt = it->last_step.increments.dq[it->system->n], t = it->state.q[it->system->n];
     if (fabs(dt) <= tvi_least_time_change(t))
         return jet_refuse(TVI_ENOCONV, "the time does not move, as before a collision");
-    return (dt > 0) == (it->h > 0) ? TVI_OK : jet_refuse(TVI_ETOOLARGE, "the time goes the other way");
+    return (dt > 0) == (it->last_step.h > 0) ? TVI_OK : jet_refuse(TVI_ETOOLARGE, "the time goes the other way");
 }
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
@@ -184,7 +185,7 @@ static tvi_status check_time_moves_with_h(const tvi_integrator *it)
 static void add_increments(tvi_integrator *it)
 {
     const tvi_run_state *state = &it->state;
-    const tvi_increments *increments = &it->increments;
+    const tvi_increments *increments = &it->last_step.increments;
     const int n = it->stepped->n;
     (void)tvi_add_all_compensated(n, state->q, state->q_low, increments->dq, increments->dq_low);
     (void)tvi_add_all_compensated(n, state->p, state->p_low, increments->dp, increments->dp_low);
@@ -196,24 +197,24 @@ static void add_increments(tvi_integrator *it)
 static tvi_status make_step(tvi_integrator *it, double tolerance, double h)
 {
     const long expansions = it->stats.expansions, passes = it->stats.passes;
-    it->has_dense_output = false;
-    it->h = h;
-    tvi_arena_copy_history(it->history_before, it->history, it->copied_history_bytes);
+    it->last_step.has_curve = false;
+    it->last_step.h = h;
+    tvi_arena_copy_history(it->history.before, it->history.now, it->history.copied_bytes);
     tvi_status status = compute_increments(it, tolerance);
     if (status != TVI_OK) status = explain_stepper_failure(it, status);
     else status = check_new_state_is_finite(it);
     if (status == TVI_OK && tvi_is_rescaled(it)) status = check_time_moves_with_h(it);
     if (status == TVI_OK)
         status = tvi_refuse_too_large_step(it, it->stats.expansions != expansions, it->stats.passes - passes);
-    it->covered_time = it->increments.dq[it->system->n];
+    it->last_step.covered_time = it->last_step.increments.dq[it->system->n];
     if (status != TVI_OK) {
-        tvi_arena_copy_history(it->history, it->history_before, it->copied_history_bytes);
+        tvi_arena_copy_history(it->history.now, it->history.before, it->history.copied_bytes);
         return status;
     }
     add_increments(it);
     *it->is_state_from_step = true;
     it->stats.steps++;
-    it->has_dense_output = true;
+    it->last_step.has_curve = true;
     return TVI_OK;
 }
 
@@ -221,12 +222,12 @@ static tvi_status make_step(tvi_integrator *it, double tolerance, double h)
  * and its number of passes, without computing the energy. Returns the number of steps that were made. */
 static long make_unchecked_steps(tvi_integrator *it, long most_steps, double h, double t_end)
 {
-    if (!it->stepper->run || most_steps < 1 || it->reference_energy->is_H_known) return 0;
+    if (!it->stepper->run || most_steps < 1 || it->guard.reference_energy->is_H_known) return 0;
     const tvi_unchecked_step_limits limits = tvi_guard_unchecked_limits(it);
     if (!(it->stats.tail <= limits.max_tail)) return 0;
-    const tvi_run_request run = {h,     most_steps,    limits, tvi_is_rescaled(it) ? it->system->n : -1,
-                                 t_end, it->increments};
-    it->increments.dq[it->stepped->n] = h;
+    const tvi_run_request run = {
+        h, most_steps, limits, tvi_is_rescaled(it) ? it->system->n : -1, t_end, it->last_step.increments};
+    it->last_step.increments.dq[it->stepped->n] = h;
     const long made = it->stepper->run(it->work, &run, &it->state, &it->stats);
     it->stats.steps += made;
     *it->is_state_from_step |= made > 0;
@@ -237,7 +238,7 @@ static long make_unchecked_steps(tvi_integrator *it, long most_steps, double h, 
 static tvi_status add_step_to_error_text(const tvi_integrator *it, tvi_status status)
 {
     const char *const of = tvi_steps_K(it) ? " in s, of K = g (H + e)," : tvi_is_rescaled(it) ? " in s" : "";
-    return jet_refuse(status, "step of %g%s from t = %g: %s", it->h, of, it->state.q[it->system->n],
+    return jet_refuse(status, "step of %g%s from t = %g: %s", it->last_step.h, of, it->state.q[it->system->n],
                       jet_last_refusal_text());
 }
 
@@ -246,7 +247,7 @@ tvi_status tvi_make_steps(tvi_integrator *it, long most_steps, double tolerance,
 {
     const tvi_run_arguments given = {it, t, q, p, h};
     if (!it) return tvi_refuse_invalid_run_arguments(given, "");
-    if (!it->is_in_observer) it->has_dense_output = false;
+    if (!it->is_in_observer) it->last_step.has_curve = false;
     if (!t || !q || !p || h == 0 || !isfinite(h)) return tvi_refuse_invalid_run_arguments(given, "");
     tvi_status status = tvi_integrator_begin_step(it, *t, q, p);
     if (status != TVI_OK) return status;
@@ -268,8 +269,8 @@ tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double 
 
 void tvi_integrator_undo_step(tvi_integrator *it, double *t, double q[], double p[])
 {
-    tvi_arena_copy_history(it->history, it->history_before, it->copied_history_bytes);
-    it->has_dense_output = false;
+    tvi_arena_copy_history(it->history.now, it->history.before, it->history.copied_bytes);
+    it->last_step.has_curve = false;
     it->stats.steps--;
     tvi_integrator_copy_state(it, t, q, p);
 }

@@ -369,8 +369,8 @@ tvi_status tvi_columns_propagate_by_step(const tvi_integrator *it, const tvi_tan
     tangent->last_step.step_number = 0;
     tvi_status status = tvi_columns_check_finite(it, &start);
     if (status == TVI_OK)
-        status =
-            multiply_columns_by_jacobian(it, &(differentiated_step){&it->start, it->parameters, it->h}, &start, &end);
+        status = multiply_columns_by_jacobian(
+            it, &(differentiated_step){&it->last_step.start, it->parameters, it->last_step.h}, &start, &end);
     if (status != TVI_OK) return status;
     tangent->last_step.step_number = it->stats.steps;
     tangent->last_step.propagated_count = columns->count;
@@ -384,11 +384,11 @@ tvi_status tvi_columns_propagate_to_offset(const tvi_integrator *it, const tvi_t
     if (!columns->elements) return TVI_OK;
     const tvi_tangent_columns start = {it->tangent->last_step.at_start, columns->count, 1};
     tvi_columns_restore_step_end(it, columns);
-    if (offset == it->h) return TVI_OK;
+    if (offset == it->last_step.h) return TVI_OK;
     tvi_columns_restore_step_start(it, columns);
     if (offset == 0) return TVI_OK;
-    const tvi_status status =
-        multiply_columns_by_jacobian(it, &(differentiated_step){&it->start, parameters, offset}, &start, columns);
+    const tvi_status status = multiply_columns_by_jacobian(
+        it, &(differentiated_step){&it->last_step.start, parameters, offset}, &start, columns);
     if (status != TVI_OK) tvi_columns_restore_step_end(it, columns);
     return status;
 }

@@ -34,7 +34,7 @@ static tvi_status allocate_member_memory(tvi_ensemble *ensemble)
 {
     const tvi_integrator *it = ensemble->workers->integrator;
     const size_t members = (size_t)ensemble->member_count, numbers = count_parameters_of_all_members(ensemble);
-    ensemble->history_bytes = it->history_bytes + tvi_arena_round_up(it->copied_history_bytes, ARENA_ALIGNMENT);
+    ensemble->history_bytes = it->history.bytes + tvi_arena_round_up(it->history.copied_bytes, ARENA_ALIGNMENT);
     ensemble->histories = aligned_alloc(ARENA_ALIGNMENT, members * ensemble->history_bytes);
     ensemble->records = calloc(members, sizeof *ensemble->records);
     ensemble->parameters = calloc(numbers + 1, sizeof *ensemble->parameters);
@@ -124,15 +124,15 @@ void tvi_worker_load_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble,
     tvi_integrator *it = worker->integrator;
     const tvi_member_record *record = &ensemble->records[member];
     const tvi_stats own = it->stats;
-    tvi_arena_copy_history(it->history, history_of_member(ensemble, member), ensemble->history_bytes);
+    tvi_arena_copy_history(it->history.now, history_of_member(ensemble, member), ensemble->history_bytes);
     tvi_integrator_load_parameters(it, ensemble->parameters + member, (size_t)ensemble->member_count);
     if (needs_stops(ensemble)) memcpy(it->stop, tvi_stop_of_member(ensemble, member), tvi_stop_bytes(ensemble->n));
     it->stats = record->stats;
     it->stats.bytes = own.bytes;
     it->stats.is_compiled = own.is_compiled;
-    it->h = record->h;
-    it->covered_time = record->covered_time;
-    it->has_dense_output = record->has_dense_output;
+    it->last_step.h = record->h;
+    it->last_step.covered_time = record->covered_time;
+    it->last_step.has_curve = record->has_dense_output;
     if (it->tangent) tvi_step_columns_exchange(it, &ensemble->columns[member]);
 }
 
@@ -140,11 +140,11 @@ void tvi_worker_store_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble
 {
     tvi_integrator *it = worker->integrator;
     tvi_member_record *record = &ensemble->records[member];
-    tvi_arena_copy_history(history_of_member(ensemble, member), it->history, ensemble->history_bytes);
+    tvi_arena_copy_history(history_of_member(ensemble, member), it->history.now, ensemble->history_bytes);
     tvi_scatter_member(tvi_system_parameters(it->system), ensemble->member_count, it->parameters, member,
                        ensemble->parameters);
     if (needs_stops(ensemble)) memcpy(tvi_stop_of_member(ensemble, member), it->stop, tvi_stop_bytes(ensemble->n));
-    *record = (tvi_member_record){it->stats, it->h, it->covered_time, it->has_dense_output};
+    *record = (tvi_member_record){it->stats, it->last_step.h, it->last_step.covered_time, it->last_step.has_curve};
     record->stats.bytes = 0;
     if (it->tangent) tvi_step_columns_exchange(it, &ensemble->columns[member]);
 }
@@ -155,8 +155,8 @@ void tvi_worker_load_member_and_curve(tvi_ensemble_worker *worker, tvi_ensemble 
 {
     tvi_integrator *it = worker->integrator;
     if (ensemble->records[member].has_dense_output && tvi_is_rescaled(it)) {
-        tvi_arena_copy_history(it->history, history_of_member(ensemble, member), ensemble->history_bytes);
-        tvi_arena_copy_history(it->history, it->history_before, it->copied_history_bytes);
+        tvi_arena_copy_history(it->history.now, history_of_member(ensemble, member), ensemble->history_bytes);
+        tvi_arena_copy_history(it->history.now, it->history.before, it->history.copied_bytes);
         tvi_integrator_load_parameters(it, ensemble->parameters + member, (size_t)ensemble->member_count);
         tvi_integrator_compute_curve(it, ensemble->records[member].h);
     }

@@ -122,7 +122,7 @@ static tvi_status make_step_by_tolerance(run_in_progress *running, double *t, do
     const double farthest = is_limited ? copysign(largest, rest) : rest;
     const tvi_status status =
         tvi_make_steps(it, 1, running->plan->tolerance, farthest, tvi_infinite_end_time(farthest), t, q, p);
-    running->is_at_end = status == TVI_OK && (it->h == rest || *t == t_end);
+    running->is_at_end = status == TVI_OK && (it->last_step.h == rest || *t == t_end);
     if (running->is_at_end) set_time_to_t_end(it, t_end, t);
     return status;
 }
@@ -152,12 +152,12 @@ static tvi_status check_time_advances(run_in_progress *running, long steps)
     const tvi_run_plan *plan = running->plan;
     const double left = remaining_time_to(
         it, plan->time_count > 0 && !plan->has_t_end ? plan->times[plan->time_count - 1] : plan->t_end);
-    const bool is_slow = fabs(it->covered_time) < DBL_EPSILON / 2 * fabs(left);
+    const bool is_slow = fabs(it->last_step.covered_time) < DBL_EPSILON / 2 * fabs(left);
     running->slow_step_count = is_slow ? running->slow_step_count + steps : 0;
     return running->slow_step_count < RUN_MAX_SLOW_STEPS
                ? TVI_OK
-               : jet_refuse(TVI_ENOCONV, "the time hardly moves: by %g in a step, with %g left", it->covered_time,
-                            left);
+               : jet_refuse(TVI_ENOCONV, "the time hardly moves: by %g in a step, with %g left",
+                            it->last_step.covered_time, left);
 }
 
 /* Calls the observer of events with the index of an event and a state [2n + 1]. Returns true if the observer ends the
@@ -202,7 +202,7 @@ static tvi_status report_root(const run_in_progress *running, const tvi_event_ro
     tvi_status status =
         running->times ? tvi_times_report_until(running->times, root->state[2 * it->system->n]) : TVI_OK;
     if (status == TVI_OK && (run->observers.on_event || is_terminal))
-        status = tvi_columns_propagate_to_offset(it, &run->columns, root->theta * it->h,
+        status = tvi_columns_propagate_to_offset(it, &run->columns, root->theta * it->last_step.h,
                                                  running->events->partial_step.partial_step_integrator->parameters);
     if (status != TVI_OK) return status;
     const bool ends = report_event(running, root->watched->index, root->state) || is_terminal;
@@ -397,7 +397,7 @@ tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[],
     const tvi_run_arguments given = {it, t, q, p, h};
     const tvi_run_plan plan = {.h = h, .steps = 1};
     if (!it) return tvi_refuse_invalid_run_arguments(given, "");
-    if (!it->is_in_observer) it->has_dense_output = false;
+    if (!it->is_in_observer) it->last_step.has_curve = false;
     if (!t || !q || !p || !D || columns < 1 || h == 0 || !isfinite(h))
         return tvi_refuse_invalid_run_arguments(given, D ? "columns is not positive" : "D is NULL");
     return tvi_run_integrator(it, &(tvi_single_run){.plan = &plan, .columns = {D, columns, 1}}, t, q, p);

@@ -22,7 +22,7 @@ static int find_first_time_out_of_order(double h, double t, const double times[]
 static bool does_last_step_end_at_state(const tvi_integrator *it, double h, double t, const double q[],
                                         const double p[])
 {
-    return *it->is_state_from_step && it->has_dense_output && (h > 0) == (it->h > 0) &&
+    return *it->is_state_from_step && it->last_step.has_curve && (h > 0) == (it->last_step.h > 0) &&
            tvi_integrator_state_equals(it, t, q, p);
 }
 
@@ -34,7 +34,8 @@ tvi_status tvi_times_check(const tvi_integrator *it, const tvi_single_run *run, 
     if (!tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_nonfinite_state(n, t, q, "p", p);
     *continues_last_step =
         does_last_step_end_at_state(it, h, t, q, p) && tvi_columns_match_last_step_end(it, &run->columns);
-    const int first = find_first_time_out_of_order(h, *continues_last_step ? it->start.q[n] : t, times, count);
+    const int first =
+        find_first_time_out_of_order(h, *continues_last_step ? it->last_step.start.q[n] : t, times, count);
     if (first < count)
         return jet_refuse(TVI_EINVAL, "times[%d] = %g is not in order, or not finite", first, times[first]);
     return !run->plan->has_t_end ||

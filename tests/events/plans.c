@@ -10,7 +10,7 @@ static int take(plan_diary *d, told_kind kind, int member, int which, double t, 
     ck_assert_int_lt(d->count, MOST_SEEN);
     ck_assert_int_eq(member, 0);
     told *s = &d->told[d->count++];
-    *s = (told){.kind = kind, .which = which, .x = {.t = t}, .h = d->it->h};
+    *s = (told){.kind = kind, .which = which, .x = {.t = t}, .h = d->it->last_step.h};
     memcpy(s->x.q, q, (size_t)d->n * sizeof *q);
     memcpy(s->x.p, p, (size_t)d->n * sizeof *p);
     memcpy(s->D, d->D, (size_t)d->numbers * sizeof *d->D);

@@ -91,7 +91,7 @@ static sample momentum_left_by_passes(tvi_options options, double h, int steps)
     tvi_integrator *it = integrator_of(system, &options);
     options.tolerance = 0, options.passes = TO_THE_LAST_BIT;
     tvi_integrator *exact = integrator_of(system, &options);
-    const tvi_increments *by = &it->increments, *its = &exact->increments;
+    const tvi_increments *by = &it->last_step.increments, *its = &exact->increments;
     test_state x = model_start(&model_kepler);
     sample left = {0};
     go(it, h, 2, &x);
@@ -145,13 +145,13 @@ START_TEST(steps_do_not_know_where_they_began)
     const tvi_options options = gauss(8);
     tvi_system *system = model_system(m);
     tvi_integrator *it = integrator_of(system, &options);
-    const tvi_increments *by = &it->increments;
+    const tvi_increments *by = &it->last_step.increments;
     test_state x = model_start(m);
     long same = 0, others = 0, passes = 0;
     go(it, rows[_i].h, 2, &x);
     for (int k = 0; k < STEPS; k++) {
         tvi_integrator *other = new_at(it, system, &options);
-        const tvi_increments *its = &other->increments;
+        const tvi_increments *its = &other->last_step.increments;
         test_state y = x;
         go(other, rows[_i].h, 1, &y);
         go(it, rows[_i].h, 1, &x);
