@@ -74,10 +74,10 @@ static void emit_tape_arrays(const tape_emitter *emitter)
 {
     const jet_tape *tape = emitter->tape;
     const char *name = emitter->request->name_prefix;
-    emit_int_array(emitter->text, name, "slot", tape->term_count, tape->term_slot);
-    emit_int_array(emitter->text, name, "slot_b", tape->term_count, tape->term_slot_b);
+    emit_int_array(emitter->text, name, "slot", tape->terms.count, tape->terms.slot);
+    emit_int_array(emitter->text, name, "slot_b", tape->terms.count, tape->terms.slot_b);
     emit_int_array(emitter->text, name, "output", tape->output_count, tape->output_slot);
-    emit_double_array(emitter->text, name, "coefficient", tape->term_count, tape->term_coefficient);
+    emit_double_array(emitter->text, name, "coefficient", tape->terms.count, tape->terms.coefficient);
     emit_double_array(emitter->text, name, "constant_terms", tape->linear_operation_count, tape->constant_terms);
     jet_text_append(emitter->text, "static const jet_run_of_operations %s_run[] = {\n", name);
     for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++)
@@ -88,8 +88,8 @@ static void emit_tape_arrays(const tape_emitter *emitter)
                     "static const jet_tape %s = {.input_count = %d, .constant_count = %d, .slot_count = %d, .runs = "
                     "(jet_run_of_operations "
                     "*)%s_run,\n"
-                    "    .constant_terms = (double *)%s_constant_terms + 1, .term_slot = (int *)%s_slot + 1,\n"
-                    "    .term_slot_b = (int *)%s_slot_b + 1, .term_coefficient = (double *)%s_coefficient + 1};\n",
+                    "    .constant_terms = (double *)%s_constant_terms + 1, .terms.slot = (int *)%s_slot + 1,\n"
+                    "    .terms.slot_b = (int *)%s_slot_b + 1, .terms.coefficient = (double *)%s_coefficient + 1};\n",
                     name, tape->input_count, tape->constant_count, tape->slot_count, name, name, name, name, name);
 }
 

@@ -52,17 +52,17 @@ static long double evaluate_linear_sum(const jet_tape *tape, const jet_run_of_op
 {
     long double sum = tape->constant_terms[run->first_constant_term_index + operation_index];
     for (int k = run->first_term_index + operation_index * run->term_count, end = k + run->term_count; k < end; k++)
-        sum += tape->term_coefficient[k] * values[tape->term_slot[k]];
+        sum += tape->terms.coefficient[k] * values[tape->terms.slot[k]];
     return sum;
 }
 
 static long double evaluate_product_sum(const jet_tape *tape, const jet_run_of_operations *run, int operation_index,
                                         const long double *values)
 {
-    const int *second = run->op == OP_SQUARES ? tape->term_slot : tape->term_slot_b;
+    const int *second = run->op == OP_SQUARES ? tape->terms.slot : tape->terms.slot_b;
     long double sum = 0;
     for (int k = run->first_term_index; k < run->first_term_index + run->term_count; k++)
-        sum += tape->term_coefficient[k] * values[tape->term_slot[k] + operation_index] *
+        sum += tape->terms.coefficient[k] * values[tape->terms.slot[k] + operation_index] *
                values[second[k] + operation_index];
     return sum;
 }

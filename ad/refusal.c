@@ -64,15 +64,14 @@ bool jet_explain_failed_sweep(const jet_tape *tape, double *block, int lanes)
         for (int i = 0; i < run->operation_count * lanes; i++) {
             if (jet_rules[run->op]->compute_values(run->exponent, 1, a + i, b + i, &z)) continue;
             const int operation = i / lanes;
-            const bool is_part = tape->library_operations_name &&
-                                 tape->operation_number_of_slot[run->z + operation] >= tape->first_library_op_number;
-            const jet_op owner = tape->owner_of_slot[run->z + operation];
+            const bool is_part = tape->refusal.library_name &&
+                                 tape->refusal.number_of_slot[run->z + operation] >= tape->refusal.first_library_number;
+            const jet_op owner = tape->refusal.owner_of_slot[run->z + operation];
             (void)jet_refuse(TVI_EDOMAIN, "%s%sjet_%s%s%s has no power series at %g: operation %d of the recording",
-                             is_part ? tape->library_operations_name : "", is_part ? ": " : "",
-                             operation_names[run->op], owner ? " in the derivatives of jet_" : "",
-                             owner ? operation_names[owner] : "",
+                             is_part ? tape->refusal.library_name : "", is_part ? ": " : "", operation_names[run->op],
+                             owner ? " in the derivatives of jet_" : "", owner ? operation_names[owner] : "",
                              value_of_operand_outside_domain(run, block, lanes, operation, i % lanes),
-                             tape->operation_number_of_slot[run->z + operation]);
+                             tape->refusal.number_of_slot[run->z + operation]);
             return false;
         }
     }

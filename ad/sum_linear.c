@@ -18,8 +18,8 @@ enum { SPECIALISED_TERMS_MAX = 5 };
 JET_INLINE void compute_sums_of_one_lane(const jet_tape *tape, const jet_run_of_operations *run, double *block,
                                          int term_count)
 {
-    const int *from = tape->term_slot + run->first_term_index;
-    const double *coefficient = tape->term_coefficient + run->first_term_index;
+    const int *from = tape->terms.slot + run->first_term_index;
+    const double *coefficient = tape->terms.coefficient + run->first_term_index;
     double *z = block + run->z, *const end = z + run->operation_count;
     for (; z < end; z++, from += term_count, coefficient += term_count) {
         double sum = coefficient[0] * block[from[0]];
@@ -60,9 +60,9 @@ JET_INLINE void compute_sums_of_many_lanes(const jet_tape *tape, const jet_run_o
                                            int lanes, const double *constant_terms, int term_count)
 {
     const size_t stride = (size_t)lanes;
-    const int *from = tape->term_slot + run->first_term_index,
+    const int *from = tape->terms.slot + run->first_term_index,
               kept = term_count < SPECIALISED_TERMS_MAX ? term_count : SPECIALISED_TERMS_MAX;
-    const double *coefficient = tape->term_coefficient + run->first_term_index, *a[SPECIALISED_TERMS_MAX];
+    const double *coefficient = tape->terms.coefficient + run->first_term_index, *a[SPECIALISED_TERMS_MAX];
     double *z = block + stride * (size_t)run->z, *const end = z + stride * (size_t)run->operation_count,
            c[SPECIALISED_TERMS_MAX];
     if (lanes == 8 && !constant_terms && term_count > SPECIALISED_TERMS_MAX)
@@ -130,8 +130,8 @@ JET_INLINE void add_linear_adjoints(const jet_tape *tape, const jet_run_of_opera
                                     int term_count)
 {
     enum { KEPT = 2 };
-    const int *to = tape->term_slot + run->first_term_index;
-    const double *coefficient = tape->term_coefficient + run->first_term_index;
+    const int *to = tape->terms.slot + run->first_term_index;
+    const double *coefficient = tape->terms.coefficient + run->first_term_index;
     const double *z = adjoints + run->z, *const end = z + run->operation_count;
     const int kept = term_count < KEPT ? term_count : KEPT;
     double sum[KEPT] = {0};

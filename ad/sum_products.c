@@ -28,9 +28,9 @@ JET_INLINE sum_of_products_terms locate_run_terms(const jet_tape *tape, const je
     sum_of_products_terms p;
     for (int t = 0; t < term_count; t++) {
         const int term = run->first_term_index + t;
-        p.coefficient[t] = tape->term_coefficient[term];
-        p.factor_a[t] = block + (size_t)tape->term_slot[term] * lanes;
-        p.factor_b[t] = block + (size_t)tape->term_slot_b[term] * lanes;
+        p.coefficient[t] = tape->terms.coefficient[term];
+        p.factor_a[t] = block + (size_t)tape->terms.slot[term] * lanes;
+        p.factor_b[t] = block + (size_t)tape->terms.slot_b[term] * lanes;
     }
     return p;
 }
@@ -230,8 +230,8 @@ JET_INLINE void add_product_adjoints(const jet_tape *tape, const jet_run_of_oper
     const double *zbar = adjoint_block + run->z;
     double *abar[JET_TERMS_MAX], *bbar[JET_TERMS_MAX];
     for (int t = 0; t < term_count; t++) {
-        abar[t] = adjoint_block + tape->term_slot[run->first_term_index + t];
-        bbar[t] = adjoint_block + tape->term_slot_b[run->first_term_index + t];
+        abar[t] = adjoint_block + tape->terms.slot[run->first_term_index + t];
+        bbar[t] = adjoint_block + tape->terms.slot_b[run->first_term_index + t];
     }
     if (are_squares) JET_BLOCKS(run->operation_count, SQUARES_ADJOINT, JET_OF);
     else JET_BLOCKS(run->operation_count, PRODUCTS_ADJOINT, JET_OF);

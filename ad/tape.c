@@ -12,9 +12,9 @@ int jet_without;
 
 static void append_tape_term(jet_tape *tape, double coefficient, int slot_a, int slot_b)
 {
-    tape->term_coefficient[tape->term_count] = coefficient;
-    tape->term_slot[tape->term_count] = slot_a;
-    tape->term_slot_b[tape->term_count++] = slot_b;
+    tape->terms.coefficient[tape->terms.count] = coefficient;
+    tape->terms.slot[tape->terms.count] = slot_a;
+    tape->terms.slot_b[tape->terms.count++] = slot_b;
 }
 
 /* Makes a LINEAR run of one operation, and appends its constant term and its terms to the tape. A copy is a sum of
@@ -29,7 +29,7 @@ static jet_run_of_operations make_linear_run(const graph_lowering *lowering, jet
                                        .has_nonzero_constant_terms = number != 0,
                                        .first_constant_term_index = tape->linear_operation_count,
                                        .term_count = terms,
-                                       .first_term_index = tape->term_count};
+                                       .first_term_index = tape->terms.count};
     tape->constant_terms[tape->linear_operation_count++] = number;
     if (!z->node) {
         append_tape_term(tape, 1, z->operand[0][0], 0);
@@ -52,7 +52,7 @@ static bool try_joining_linear_run(jet_run_of_operations *run, const jet_run_of_
 static jet_run_of_operations make_product_run(jet_tape *tape, const tape_placement *z)
 {
     const jet_run_of_operations run = {z->op, 1, z->slot, .term_count = z->operand_pair_count,
-                                       .first_term_index = tape->term_count};
+                                       .first_term_index = tape->terms.count};
     for (int pair = 0; pair < z->operand_pair_count; pair++)
         append_tape_term(tape, sum_term(z, pair).coefficient, z->operand[pair][0],
                          z->operand[pair][z->op == OP_PRODUCTS]);
@@ -64,11 +64,11 @@ static bool try_joining_product_run(jet_tape *tape, const jet_run_of_operations 
     if (next->term_count != run->term_count) return false;
     for (int here = run->first_term_index, there = next->first_term_index;
          there < next->first_term_index + next->term_count; here++, there++)
-        if (tape->term_coefficient[there] != tape->term_coefficient[here] ||
-            tape->term_slot[there] != tape->term_slot[here] + run->operation_count ||
-            tape->term_slot_b[there] != tape->term_slot_b[here] + run->operation_count)
+        if (tape->terms.coefficient[there] != tape->terms.coefficient[here] ||
+            tape->terms.slot[there] != tape->terms.slot[here] + run->operation_count ||
+            tape->terms.slot_b[there] != tape->terms.slot_b[here] + run->operation_count)
             return false;
-    tape->term_count = next->first_term_index;
+    tape->terms.count = next->first_term_index;
     return true;
 }
 
@@ -129,8 +129,8 @@ static void lay_out_runs_and_constants(graph_lowering *lowering, jet_tape *tape)
     for (int i = 0; i < lowering->slot_count; i++) {
         const tape_placement *z = lowering->nodes_by_slot[i];
         const struct jet_node *named = z->node && z->node->owner ? z->node->owner : z->node;
-        tape->operation_number_of_slot[i] = named ? named->index + 1 - jet_graph_input_count(lowering->graph) : 0;
-        tape->owner_of_slot[i] = named != z->node ? named->op : OP_INPUT;
+        tape->refusal.number_of_slot[i] = named ? named->index + 1 - jet_graph_input_count(lowering->graph) : 0;
+        tape->refusal.owner_of_slot[i] = named != z->node ? named->op : OP_INPUT;
         if (z->op == OP_INPUT) tape->input_count++;
         else if (z->op == OP_CONST || z->op == OP_PARAMETER) append_constant(tape, z);
         else append_operation(lowering, tape, z);
@@ -152,16 +152,16 @@ static bool allocate_lowering_and_tape(graph_lowering *lowering, jet_tape *tape,
     tape->constant_values = calloc(nodes, sizeof *tape->constant_values);
     tape->parameters = calloc(nodes, sizeof *tape->parameters);
     tape->constant_terms = calloc(nodes + copies, sizeof *tape->constant_terms);
-    tape->term_slot = calloc(pairs + copies, sizeof *tape->term_slot);
-    tape->term_slot_b = calloc(pairs + copies, sizeof *tape->term_slot_b);
-    tape->term_coefficient = calloc(pairs + copies, sizeof *tape->term_coefficient);
+    tape->terms.slot = calloc(pairs + copies, sizeof *tape->terms.slot);
+    tape->terms.slot_b = calloc(pairs + copies, sizeof *tape->terms.slot_b);
+    tape->terms.coefficient = calloc(pairs + copies, sizeof *tape->terms.coefficient);
     tape->output_slot = calloc((size_t)output_count + 1, sizeof *tape->output_slot);
-    tape->operation_number_of_slot = calloc(nodes + copies, sizeof *tape->operation_number_of_slot);
-    tape->owner_of_slot = calloc(nodes + copies, sizeof *tape->owner_of_slot);
+    tape->refusal.number_of_slot = calloc(nodes + copies, sizeof *tape->refusal.number_of_slot);
+    tape->refusal.owner_of_slot = calloc(nodes + copies, sizeof *tape->refusal.owner_of_slot);
     return lowering->is_node_needed && lowering->use_counts && lowering->placements && lowering->nodes_by_level &&
            lowering->nodes_by_slot && lowering->operands && tape->runs && tape->constant_values && tape->parameters &&
-           tape->constant_terms && tape->term_slot && tape->term_slot_b && tape->term_coefficient &&
-           tape->output_slot && tape->operation_number_of_slot && tape->owner_of_slot;
+           tape->constant_terms && tape->terms.slot && tape->terms.slot_b && tape->terms.coefficient &&
+           tape->output_slot && tape->refusal.number_of_slot && tape->refusal.owner_of_slot;
 }
 
 /* Lowers the graph to the tape, whose arrays are allocated. */
@@ -170,8 +170,8 @@ static void lower_graph_to_tape(graph_lowering *lowering, jet_tape *tape, int in
 {
     jet_assign_slots(lowering, input_count, output_count, output);
     lay_out_runs_and_constants(lowering, tape);
-    tape->library_operations_name = jet_graph_library_nodes_name(lowering->graph, &tape->first_library_op_number);
-    tape->first_library_op_number += 1 - jet_graph_input_count(lowering->graph);
+    tape->refusal.library_name = jet_graph_library_nodes_name(lowering->graph, &tape->refusal.first_library_number);
+    tape->refusal.first_library_number += 1 - jet_graph_input_count(lowering->graph);
     tape->slot_count = lowering->slot_count;
     tape->output_count = output_count;
     tape->used_node_count = lowering->used_node_count;

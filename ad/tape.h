@@ -20,11 +20,10 @@ typedef enum {
 } jet_tape_kind;
 
 /* A run: the operations z + i = op(a + i, b + i), i < operation_count, of adjacent slots z + i. Slots w + i are the
- * auxiliary series.
- * LINEAR: z + i has the constant term constant_terms[first_constant_term_index + i], and terms of its own:
- * term_coefficient[k] times slot term_slot[k], for `term_count` values k from first_term_index + i * term_count on.
- * PRODUCTS, SQUARES: the operations share coefficients. The terms are term_coefficient[k] times the slots term_slot[k]
- * + i and term_slot_b[k] + i, for `term_count` values k from first_term_index on. */
+ * auxiliary series. LINEAR: z + i has the constant term constant_terms[first_constant_term_index + i], and terms of its
+ * own: terms.coefficient[k] times slot terms.slot[k], for `term_count` values k from first_term_index + i * term_count
+ * on. PRODUCTS, SQUARES: the operations share coefficients. The terms are terms.coefficient[k] times the slots
+ * terms.slot[k] + i and terms.slot_b[k] + i, for `term_count` values k from first_term_index on. */
 typedef struct {
     jet_op op;
     int operation_count, z, a, b, w;
@@ -57,26 +56,34 @@ typedef struct {
      * compiled system has those that jet_merge_sweeps has set (compiled/attach.c, emit.h). */
     const jet_sweeps *sweeps;
     const jet_sweeps *interpreter_sweeps; /* The sweeps of the interpreter. */
-    int input_count, constant_count, parameter_count, slot_count, run_count, linear_operation_count, term_count,
-        output_count;
+    int input_count, constant_count, parameter_count, slot_count, run_count, linear_operation_count, output_count;
     int used_node_count; /* The number of nodes of the graph on which the outputs depend, inputs included. */
     jet_run_of_operations *runs;
     double *constant_values;        /* [constant_count] Values of the constants, whose slots follow the inputs. */
     jet_tape_parameter *parameters; /* [parameter_count] The parameters, whose values the caller may change. */
     double *constant_terms;         /* [linear_operation_count] The constant term of each sum (LINEAR). */
-    int *term_slot, *term_slot_b; /* [term_count] The slots that terms of sums, or factors a and b of products, read. */
-    double *term_coefficient;     /* [term_count] The coefficient of each term of a sum or of a sum of products. */
-    int *output_slot;             /* [output_count] The slot of each output of the tape. */
-    /* [slot_count] Number of the operation in the order of recording, from 1 on; 0 for copies, negative for inputs. */
-    int *operation_number_of_slot;
-    /* [slot_count] For an operation that another one needs (jet_node.owner), the operation of the user's that needs it,
-     * whose number the slot then has; OP_INPUT for all others. */
-    jet_op *owner_of_slot;
-    /* Name of the operations that the library recorded itself (jet_graph_begin_library_nodes); NULL: there are none. */
-    const char *library_operations_name;
-    /* The number, as in operation_number_of_slot, of the first operation that this library and not the user's function
-     * recorded. A refusal names this operation and all later ones by library_operations_name. */
-    int first_library_op_number;
+    int *output_slot;               /* [output_count] The slot of each output of the tape. */
+    /* The terms of the runs that are sums or sums of products. A split tape (tape_split.c) has its own. */
+    struct {
+        int count;
+        int *slot, *slot_b;  /* [count] The slots that terms of sums, or factors a and b of products, read. */
+        double *coefficient; /* [count] The coefficient of each term. */
+    } terms;
+    /* What a refusal (refusal.h) says of an operation. No sweep reads it; the tapes in generated code leave it 0. */
+    struct {
+        /* [slot_count] Number of the operation in the order of recording, from 1 on; 0 for copies, negative for
+         * inputs. */
+        int *number_of_slot;
+        /* [slot_count] For an operation that another one needs (jet_node.owner), the operation of the user's that needs
+         * it, whose number the slot then has; OP_INPUT for all others. */
+        jet_op *owner_of_slot;
+        /* Name of the operations that the library recorded itself (jet_graph_begin_library_nodes); NULL: there are
+         * none. */
+        const char *library_name;
+        /* The number, as in number_of_slot, of the first operation that this library and not the user's function
+         * recorded. A refusal names this operation and all later ones by library_name. */
+        int first_library_number;
+    } refusal;
 } jet_tape;
 
 /* Creates a tape that computes the outputs, which have passed jet_graph_check_outputs. The first `input_count` inputs

@@ -19,18 +19,18 @@ _Static_assert(sizeof(jet_run_of_operations) == 9 * sizeof(int) + 2 * sizeof(sho
 /* Lists all arrays of a tape. jet_tape_free frees them, and jet_tape_continue_hash hashes them. */
 static void list_tape_arrays(const jet_tape *tape, tape_array list[TAPE_ARRAYS])
 {
-    const size_t terms = (size_t)tape->term_count;
+    const size_t terms = (size_t)tape->terms.count;
     const tape_array all[TAPE_ARRAYS] = {
         {tape->runs, (size_t)tape->run_count * sizeof *tape->runs},
         {tape->constant_values, (size_t)tape->constant_count * sizeof *tape->constant_values},
         {tape->parameters, (size_t)tape->parameter_count * sizeof *tape->parameters},
         {tape->constant_terms, (size_t)tape->linear_operation_count * sizeof *tape->constant_terms},
-        {tape->term_slot, terms * sizeof *tape->term_slot},
-        {tape->term_slot_b, terms * sizeof *tape->term_slot_b},
-        {tape->term_coefficient, terms * sizeof *tape->term_coefficient},
+        {tape->terms.slot, terms * sizeof *tape->terms.slot},
+        {tape->terms.slot_b, terms * sizeof *tape->terms.slot_b},
+        {tape->terms.coefficient, terms * sizeof *tape->terms.coefficient},
         {tape->output_slot, (size_t)tape->output_count * sizeof *tape->output_slot},
-        {tape->operation_number_of_slot, 0},
-        {tape->owner_of_slot, 0},
+        {tape->refusal.number_of_slot, 0},
+        {tape->refusal.owner_of_slot, 0},
     };
     memcpy(list, all, sizeof all);
 }
@@ -89,7 +89,7 @@ uint64_t jet_tape_continue_hash(uint64_t hash, const jet_tape *tape)
 {
     if (!tape) return jet_continue_hash(hash, "", 1);
     const int counts[] = {tape->input_count, tape->constant_count,         tape->parameter_count, tape->slot_count,
-                          tape->run_count,   tape->linear_operation_count, tape->term_count,      tape->output_count};
+                          tape->run_count,   tape->linear_operation_count, tape->terms.count,     tape->output_count};
     hash = jet_continue_hash(hash, counts, sizeof counts);
     tape_array list[TAPE_ARRAYS];
     list_tape_arrays(tape, list);

@@ -17,10 +17,10 @@ typedef struct {
 
 static void append_split_terms(jet_tape *split, const jet_tape *tape, int first, int count, int slot_shift)
 {
-    for (int term = first; term < first + count; term++, split->term_count++) {
-        split->term_slot[split->term_count] = tape->term_slot[term] + slot_shift;
-        split->term_slot_b[split->term_count] = tape->term_slot_b[term] + slot_shift;
-        split->term_coefficient[split->term_count] = tape->term_coefficient[term];
+    for (int term = first; term < first + count; term++, split->terms.count++) {
+        split->terms.slot[split->terms.count] = tape->terms.slot[term] + slot_shift;
+        split->terms.slot_b[split->terms.count] = tape->terms.slot_b[term] + slot_shift;
+        split->terms.coefficient[split->terms.count] = tape->terms.coefficient[term];
     }
 }
 
@@ -33,7 +33,7 @@ static void append_split_run(const run_splitting *splitting, const jet_run_of_op
     jet_run_of_operations part = *run;
     part.operation_count = count;
     part.z += first_operation;
-    part.first_term_index = splitting->split_tape->term_count;
+    part.first_term_index = splitting->split_tape->terms.count;
     if (run->op == OP_LINEAR)
         append_split_terms(splitting->split_tape, tape, run->first_term_index + first_operation * run->term_count,
                            count * run->term_count, 0);
@@ -65,7 +65,7 @@ int jet_operation_operand_slot(const jet_tape *tape, const jet_run_of_operations
     if (run->term_count == 0) return k == 0 ? run->a + i : jet_rules[run->op]->operand_count == 2 ? run->b + i : -1;
     const int term = run->first_term_index + which + (run->op == OP_LINEAR ? i * run->term_count : 0),
               slot_shift = run->op == OP_LINEAR ? 0 : i;
-    return slot_shift + (k < reads ? tape->term_slot[term] : tape->term_slot_b[term]);
+    return slot_shift + (k < reads ? tape->terms.slot[term] : tape->terms.slot_b[term]);
 }
 
 void jet_tape_mark_dependents(const jet_tape *tape, bool is_dependent[])
@@ -121,9 +121,9 @@ static void split_runs_in_dependence_order(const run_splitting *splitting)
 void jet_free_split_tape(jet_tape *split)
 {
     free(split->runs);
-    free(split->term_slot);
-    free(split->term_slot_b);
-    free(split->term_coefficient);
+    free(split->terms.slot);
+    free(split->terms.slot_b);
+    free(split->terms.coefficient);
 }
 
 bool jet_tape_split_runs(jet_tape *split, const jet_tape *tape, jet_runs_to_split runs_to_split)
@@ -133,14 +133,14 @@ bool jet_tape_split_runs(jet_tape *split, const jet_tape *tape, jet_runs_to_spli
         terms += (size_t)run->operation_count * (size_t)run->term_count;
     const size_t slots = (size_t)tape->slot_count + 1;
     *split = *tape;
-    split->run_count = split->term_count = 0;
+    split->run_count = split->terms.count = 0;
     split->runs = calloc(slots, sizeof *split->runs);
-    split->term_slot = calloc(terms, sizeof *split->term_slot);
-    split->term_slot_b = calloc(terms, sizeof *split->term_slot_b);
-    split->term_coefficient = calloc(terms, sizeof *split->term_coefficient);
+    split->terms.slot = calloc(terms, sizeof *split->terms.slot);
+    split->terms.slot_b = calloc(terms, sizeof *split->terms.slot_b);
+    split->terms.coefficient = calloc(terms, sizeof *split->terms.coefficient);
     const run_splitting splitting = {tape, split, calloc(slots, sizeof(jet_run_of_operations *))};
     const bool has_memory =
-        splitting.producing_run && split->runs && split->term_slot && split->term_slot_b && split->term_coefficient;
+        splitting.producing_run && split->runs && split->terms.slot && split->terms.slot_b && split->terms.coefficient;
     if (!has_memory) jet_free_split_tape(split);
     else if (runs_to_split == JET_SPLIT_ALL) split_runs_in_dependence_order(&splitting);
     else split_runs_in_tape_order(&splitting, runs_to_split);

@@ -38,7 +38,7 @@ fails 1 1 fuzz 1 20'
 
 # What the controls compile: each coefficient of a sum of products changes from one time to the next, which no rule
 # does; in random programs, whose states may do anything, a sum is written elsewhere.
-changing='s/p\.coefficient\[t\].=.tape->term_coefficient\[term\];/static\tint\tcalls;p.coefficient[t]=tape->term_coefficient[term]*(1+1e-7*(calls++%7));/'
+changing='s/p\.coefficient\[t\].=.tape->terms\.coefficient\[term\];/static\tint\tcalls;p.coefficient[t]=tape->terms.coefficient[term]*(1+1e-7*(calls++%7));/'
 elsewhere='s/JET_AT(V,.z,.0).=.sum/JET_AT(V,(z+(1L<<40)),0)=sum/'
 
 # run ROWS OTHERS PROGRAM [SUITE]...

@@ -376,11 +376,12 @@ do-names: $(BUILD)/libtvi.a
 constants: ; @tests/constants.sh
 .PHONY: constants
 
-check-floors: ; $(REPORT) "floors: no include goes up; no file and no function is large; names of pages" $(DO)
+check-floors: ; $(REPORT) "floors: no include goes up; no file, function or structure is large; names of pages" $(DO)
 do-floors:
 	tests/floors.sh
 	tests/named.sh $(addprefix docs/,walk.md adding.md contributing.md notation.md jets.md)
 	tests/sizes.sh
+	tests/structures.sh
 
 # what a step of each scene costs, in instructions; `make instructions` writes the file anew
 INSTRUCTIONS := tests/instructions.sh $(BUILD)/bench/steps/steps tests/instructions.txt

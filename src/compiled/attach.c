@@ -51,7 +51,7 @@ const tvi_system *tvi_compiled_attach_to_copy(tvi_arena *arena, const tvi_system
     attach_compiled_sweeps(copy, TVI_CODE_SERIES, &system->field_series, code->sweeps[TVI_CODE_SERIES]);
     attach_compiled_sweeps(copy, TVI_CODE_VALUES, &system->field_values, code->sweeps[TVI_CODE_VALUES]);
     attach_compiled_sweeps(copy, TVI_CODE_R_DOT_HP, &system->r_dot_Hp_values, code->sweeps[TVI_CODE_R_DOT_HP]);
-    attach_compiled_sweeps(copy, TVI_CODE_HESSIAN, &system->hessian_values, code->sweeps[TVI_CODE_HESSIAN]);
+    attach_compiled_sweeps(copy, TVI_CODE_HESSIAN, &system->hessian.values, code->sweeps[TVI_CODE_HESSIAN]);
     system->code = code;
     return system;
 }

@@ -29,6 +29,13 @@ typedef struct {
     double theta, g, *x;
 } tvi_accurate_state;
 
+/* The line on which finish.c looks for a root: through two states, of which `last` was computed after `before`. Their
+ * theta are NAN if there are none in this step. */
+typedef struct {
+    tvi_accurate_state before, last;
+    bool is_before_on_curve; /* `before` is not the state of a partial step, but `last` plus a change of the curve */
+} tvi_event_line;
+
 /* An event function that a search watches, and its values in the current step. */
 struct tvi_watched_event {
     tvi_event_search *search;
@@ -68,13 +75,9 @@ struct tvi_event_search {
     double *joint_tape_block;
     tvi_component_range used_components[2]; /* the components of q and of p that joint_tape depends on */
     double *scratch_state, *scratch_sizes;  /* [2n + 1] each */
-    /* The two states that define a line, of which `last` was computed after `before`, and the root that finish.c looks
-     * for on it. Their theta are NAN if there are none in this step. */
-    tvi_accurate_state before, last;
-    /* True if `before` is not the state of a partial step, but `last` plus a change of the curve. */
-    bool is_before_on_curve;
-    const tvi_event_root *sought;
-    tvi_event_root *roots; /* [root_count] the roots in the current step */
+    tvi_event_line line;
+    const tvi_event_root *sought; /* the root that finish.c looks for on the line */
+    tvi_event_root *roots;        /* [root_count] the roots in the current step */
     int root_count;
     double *root_states; /* [root_capacity][2n + 1] the states of the step's roots */
     int root_capacity;

@@ -29,30 +29,30 @@ static const double MOST_ERROR = DBL_EPSILON / 16;
  * estimate, and then in wider ones. Each is 16 times as wide as the one before, so that 12 reach everywhere. */
 static const double LEAST_DISTANCE = 4 * DBL_EPSILON, GROWTH = 16;
 
-/* Computes the state at theta by a partial step, and *g there. It becomes search->last, which becomes
- * search->before. ctx is the search. */
+/* Computes the state at theta by a partial step, and *g there. It becomes search->line.last, which becomes
+ * search->line.before. ctx is the search. */
 static tvi_status add_state(void *ctx, double theta, double *g)
 {
     tvi_event_search *search = ctx;
-    double *x = search->before.x;
+    double *x = search->line.before.x;
     tvi_status status = tvi_partial_step_compute_state(&search->partial_step, theta * search->integrator->last_step.h);
     if (status != TVI_OK) return status;
     tvi_partial_step_copy_state(&search->partial_step, x);
     status = tvi_watched_evaluate(search->sought->watched, x, g);
-    search->before = search->last;
-    search->last = (tvi_accurate_state){.theta = theta, .g = *g, .x = x};
-    search->is_before_on_curve = false;
+    search->line.before = search->line.last;
+    search->line.last = (tvi_accurate_state){.theta = theta, .g = *g, .x = x};
+    search->line.is_before_on_curve = false;
     return status;
 }
 
-/* Sets search->before to search->last plus the change of the curve from there over FIRST_DISTANCE. */
+/* Sets search->line.before to search->line.last plus the change of the curve from there over FIRST_DISTANCE. */
 static tvi_status set_state_before_by_curve(tvi_event_search *search)
 {
-    tvi_accurate_state *before = &search->before, *last = &search->last;
+    tvi_accurate_state *before = &search->line.before, *last = &search->line.last;
     const int n = search->integrator->system->n;
     double *x = search->scratch_state;
     before->theta = last->theta + (last->theta < 0.5 ? FIRST_DISTANCE : -FIRST_DISTANCE);
-    search->is_before_on_curve = true;
+    search->line.is_before_on_curve = true;
     tvi_status status = tvi_evaluate_dense_output(search->integrator, last->theta, &x[2 * n], x, x + n);
     for (int i = 0; i < search->state_size; i++) before->x[i] = last->x[i] - x[i];
     if (status == TVI_OK) status = tvi_evaluate_dense_output(search->integrator, before->theta, &x[2 * n], x, x + n);
@@ -60,15 +60,15 @@ static tvi_status set_state_before_by_curve(tvi_event_search *search)
     return status == TVI_OK ? tvi_watched_evaluate(search->sought->watched, before->x, &before->g) : status;
 }
 
-/* Computes the state on the line at the given distance (in theta) from search->last. */
+/* Computes the state on the line at the given distance (in theta) from search->line.last. */
 static void compute_state_on_line(const tvi_event_search *search, double distance, double state[])
 {
-    const tvi_accurate_state *before = &search->before, *last = &search->last;
+    const tvi_accurate_state *before = &search->line.before, *last = &search->line.last;
     const double part = distance / (last->theta - before->theta);
     for (int i = 0; i < search->state_size; i++) state[i] = last->x[i] + part * (last->x[i] - before->x[i]);
 }
 
-/* Computes *g on the line at the given distance from search->last. ctx is the search. */
+/* Computes *g on the line at the given distance from search->line.last. ctx is the search. */
 static tvi_status evaluate_on_line(void *ctx, double distance, double *g)
 {
     tvi_event_search *search = ctx;
@@ -107,13 +107,14 @@ static tvi_status move_bracket_to_root(const tvi_event_search *search, tvi_sign_
     return status;
 }
 
-/* Computes the distance from search->last to the root on the line. It is NAN if the line has no root inside the step
- * that is no farther than half an interval between samples. */
+/* Computes the distance from search->line.last to the root on the line. It is NAN if the line has no root inside the
+ * step that is no farther than half an interval between samples. */
 static tvi_status find_root_on_line(tvi_event_search *search, double *distance)
 {
-    const double farthest = tvi_sample_theta[0] / 2, theta = search->last.theta;
+    const double farthest = tvi_sample_theta[0] / 2, theta = search->line.last.theta;
     const double least = fmax(-theta, -farthest), largest = fmin(1 - theta, farthest);
-    const double secant = -search->last.g * (theta - search->before.theta) / (search->last.g - search->before.g);
+    const double secant =
+        -search->line.last.g * (theta - search->line.before.theta) / (search->line.last.g - search->line.before.g);
     bool has_root;
     *distance = fabs(secant) <= farthest ? secant : 0;
     tvi_sign_bracket bracket = {.left = tvi_clamp(least, *distance - LEAST_DISTANCE, largest),
@@ -143,11 +144,13 @@ static tvi_status begin_line(tvi_event_search *search)
     double g = 0;
     tvi_sign_bracket bracket = root->bracket;
     tvi_status status = TVI_OK;
-    if (!search->is_before_on_curve && fabs(search->last.theta - search->before.theta) >= FIRST_DISTANCE &&
-        is_near(search, guess, search->before.theta) && is_near(search, guess, search->last.theta)) {
-        status = tvi_watched_evaluate(search->sought->watched, search->before.x, &search->before.g);
-        return status == TVI_OK ? tvi_watched_evaluate(search->sought->watched, search->last.x, &search->last.g)
-                                : status;
+    if (!search->line.is_before_on_curve &&
+        fabs(search->line.last.theta - search->line.before.theta) >= FIRST_DISTANCE &&
+        is_near(search, guess, search->line.before.theta) && is_near(search, guess, search->line.last.theta)) {
+        status = tvi_watched_evaluate(search->sought->watched, search->line.before.x, &search->line.before.g);
+        return status == TVI_OK
+                   ? tvi_watched_evaluate(search->sought->watched, search->line.last.x, &search->line.last.g)
+                   : status;
     }
     if (isfinite(root->slope_guess)) {
         status = add_state(search, guess, &g);
@@ -174,8 +177,8 @@ static tvi_status find_root_on_lines(tvi_event_search *search, tvi_event_root *r
         double distance, g;
         status = find_root_on_line(search, &distance);
         if (status != TVI_OK || isnan(distance)) return status;
-        const double theta = search->last.theta + distance, from_before = theta - search->before.theta;
-        const double apart = fmax(fabs(search->last.theta - search->before.theta), LEAST_DISTANCE);
+        const double theta = search->line.last.theta + distance, from_before = theta - search->line.before.theta;
+        const double apart = fmax(fabs(search->line.last.theta - search->line.before.theta), LEAST_DISTANCE);
         if (fabs(distance * from_before) <= MOST_ERROR && fabs(distance) <= apart) {
             root->theta = theta;
             compute_state_on_line(search, distance, root->state);

@@ -90,8 +90,8 @@ static tvi_status initialize_search(tvi_event_search *search, const tvi_event *c
     search->scratch_state = calloc(4 * size, sizeof *search->scratch_state);
     if (!search->watched_events || !search->roots || !search->scratch_state) return TVI_ENOMEM;
     search->scratch_sizes = search->scratch_state + size;
-    search->before.x = search->scratch_sizes + size;
-    search->last.x = search->before.x + size;
+    search->line.before.x = search->scratch_sizes + size;
+    search->line.last.x = search->line.before.x + size;
     status = open_tapes(search, events);
     if (status == TVI_OK) set_parameters_of_tapes(search);
     return status;
@@ -168,7 +168,7 @@ tvi_status tvi_events_find(tvi_event_search *search)
 {
     int found = 0;
     tvi_status status = TVI_OK;
-    search->before.theta = search->last.theta = NAN;
+    search->line.before.theta = search->line.last.theta = NAN;
     if (search->partial_step.copied_parameter_version != search->integrator->parameter_version) {
         set_parameters_of_tapes(search);
         status = tvi_partial_step_set_parameters(&search->partial_step);

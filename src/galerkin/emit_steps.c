@@ -51,15 +51,16 @@ static void emit_lists(jet_text *text, const galerkin_work *work)
     const galerkin_step *step = &work->step;
     const hamiltonian_pass *pass = step->hamiltonian;
     const int unknowns = step->nodes.unknown_count, slots = step->form == GALERKIN_PLAIN ? 0 : unknowns,
-              rows = step->form == GALERKIN_PLAIN ? 0 : 2 * work->n, elements = rows > 0 ? work->row_end[rows - 1] : 0;
-    emit_list(text, "rate_row", unknowns, work->rate_row);
-    emit_list(text, "slot", slots, work->slot[false]);
-    emit_list(text, "hessian_slot", slots, work->slot[true]);
-    emit_list(text, "row_end", rows, work->row_end);
-    emit_list(text, "element_column", elements, work->element_column);
-    emit_list(text, "element_slot", elements, work->element_slot);
-    emit_list(text, "unknown_of_row", pass ? pass->rows : 0, work->unknown_of_row);
-    emit_list(text, "index_in_block", pass ? pass->rows * pass->columns : 0, work->index_in_block);
+              rows = step->form == GALERKIN_PLAIN ? 0 : 2 * work->n,
+              elements = rows > 0 ? work->lists.row_end[rows - 1] : 0;
+    emit_list(text, "rate_row", unknowns, work->lists.rate_row);
+    emit_list(text, "slot", slots, work->lists.slot[false]);
+    emit_list(text, "hessian_slot", slots, work->lists.slot[true]);
+    emit_list(text, "row_end", rows, work->lists.row_end);
+    emit_list(text, "element_column", elements, work->lists.element_column);
+    emit_list(text, "element_slot", elements, work->lists.element_slot);
+    emit_list(text, "unknown_of_row", pass ? pass->rows : 0, work->lists.unknown_of_row);
+    emit_list(text, "index_in_block", pass ? pass->rows * pass->columns : 0, work->lists.index_in_block);
 }
 
 void tvi_galerkin_emit_steps(jet_text *text, const galerkin_work *work)

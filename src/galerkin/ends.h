@@ -243,7 +243,7 @@ typedef struct {
     int n;
     bool is_separable; /* The equations are Q'' = F. */
     /* The share of a component in the motion is its squared movement; its momentum does not count
-     * (tvi_system.has_tail_shares_without_momenta). */
+     * (tvi_system.tail). */
     bool has_masses;
     tvi_subsystems subsystems;
     galerkin_sums sums;

@@ -6,7 +6,7 @@
 
 static galerkin_form form_of(const tvi_system *system)
 {
-    return !system->hessian_values          ? GALERKIN_PLAIN
+    return !system->hessian.values          ? GALERKIN_PLAIN
            : system->form == TVI_LAGRANGIAN ? GALERKIN_LAGRANGIAN
                                             : GALERKIN_HAMILTONIAN;
 }
@@ -62,8 +62,8 @@ static hamiltonian_pass *allocate_hamiltonian(galerkin_work *work, tvi_arena *ar
     float **const vectors[] = {&pass.dx, &pass.dx_sum, &pass.dL, &pass.dL_sum};
     for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_allocate(arena, unknowns * width * sizeof(float));
     pass.added_impulse = tvi_arena_allocate_doubles(arena, unknowns * lanes);
-    work->unknown_of_row = tvi_arena_allocate(arena, unknowns * sizeof(int));
-    work->index_in_block = tvi_arena_allocate(arena, unknowns * unknowns * sizeof(int));
+    work->lists.unknown_of_row = tvi_arena_allocate(arena, unknowns * sizeof(int));
+    work->lists.index_in_block = tvi_arena_allocate(arena, unknowns * unknowns * sizeof(int));
     if (taken) *taken = pass;
     return taken;
 }
@@ -76,13 +76,13 @@ static void allocate_hessian(galerkin_work *work, tvi_arena *arena)
     const int lanes = work->step.nodes.lane_count;
     const size_t unknowns = (size_t)work->step.nodes.unknown_count;
     field->block[false] = tvi_arena_allocate_block(arena, system->field_values, 1, lanes, 0);
-    field->block[true] = tvi_arena_allocate_block(arena, system->hessian_values, 1, lanes, (size_t)lanes);
+    field->block[true] = tvi_arena_allocate_block(arena, system->hessian.values, 1, lanes, (size_t)lanes);
     work->tape_block = field->block[false];
     work->predicted_by_impulse = tvi_arena_allocate_doubles(arena, (size_t)lanes * (size_t)lanes);
-    work->element_column = tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entry_count * sizeof(int));
-    work->element_slot = tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entry_count * sizeof(int));
-    work->row_end = tvi_arena_allocate(arena, 2 * (size_t)system->n * sizeof *work->row_end);
-    for (int i = 0; i < 2; i++) work->slot[i] = tvi_arena_allocate(arena, unknowns * sizeof(int));
+    work->lists.element_column = tvi_arena_allocate(arena, 2 * (size_t)system->hessian.entry_count * sizeof(int));
+    work->lists.element_slot = tvi_arena_allocate(arena, 2 * (size_t)system->hessian.entry_count * sizeof(int));
+    work->lists.row_end = tvi_arena_allocate(arena, 2 * (size_t)system->n * sizeof *work->lists.row_end);
+    for (int i = 0; i < 2; i++) work->lists.slot[i] = tvi_arena_allocate(arena, unknowns * sizeof(int));
 }
 
 void tvi_galerkin_allocate_form(galerkin_work *work, tvi_arena *arena)
@@ -92,9 +92,9 @@ void tvi_galerkin_allocate_form(galerkin_work *work, tvi_arena *arena)
     step->form = form_of(system);
     step->field = (galerkin_field_at_nodes){.n = system->n,
                                             .lane_count = step->nodes.lane_count,
-                                            .input_count = system->hessian_values ? system->hessian_values->input_count
+                                            .input_count = system->hessian.values ? system->hessian.values->input_count
                                                                                   : system->field_values->input_count,
-                                            .tape = {system->field_values, system->hessian_values}};
+                                            .tape = {system->field_values, system->hessian.values}};
     if (step->form == GALERKIN_LAGRANGIAN) step->lagrangian = allocate_lagrangian(work, arena);
     else if (step->form == GALERKIN_HAMILTONIAN) step->hamiltonian = allocate_hamiltonian(work, arena);
     if (step->form != GALERKIN_PLAIN) {
@@ -113,9 +113,9 @@ void tvi_galerkin_allocate_form(galerkin_work *work, tvi_arena *arena)
 static void list_hessian(const tvi_system *system, int *column, int *element_slot, int *row_end)
 {
     const int rows = 2 * system->n;
-    for (int k = 0; k < system->hessian_entry_count; k++) {
-        row_end[system->hessian[k].row]++;
-        if (system->hessian[k].row != system->hessian[k].column) row_end[system->hessian[k].column]++;
+    for (int k = 0; k < system->hessian.entry_count; k++) {
+        row_end[system->hessian.entry[k].row]++;
+        if (system->hessian.entry[k].row != system->hessian.entry[k].column) row_end[system->hessian.entry[k].column]++;
     }
     /* This loop sets row_end to the beginning of each row. The next loop advances it to the end. */
     for (int i = 0, before = 0; i < rows; i++) {
@@ -124,9 +124,9 @@ static void list_hessian(const tvi_system *system, int *column, int *element_slo
         before += count;
     }
     for (int half = 1; half >= 0; half--)
-        for (int k = 0; k < system->hessian_entry_count; k++) {
-            const int i = system->hessian[k].row, j = system->hessian[k].column;
-            const int slot = system->hessian_values->output_slot[rows + k];
+        for (int k = 0; k < system->hessian.entry_count; k++) {
+            const int i = system->hessian.entry[k].row, j = system->hessian.entry[k].column;
+            const int slot = system->hessian.values->output_slot[rows + k];
             if (j / system->n == half) {
                 column[row_end[i]] = j;
                 element_slot[row_end[i]++] = slot;
@@ -144,9 +144,12 @@ static int rate_of(const galerkin_work *work, int unknown)
     return unknown < work->n ? unknown + work->n : unknown - work->n;
 }
 
-static int row_begin(const galerkin_work *work, int row) { return row > 0 ? work->row_end[row - 1] : 0; }
+static int row_begin(const galerkin_work *work, int row) { return row > 0 ? work->lists.row_end[row - 1] : 0; }
 
-static bool has_hessian_row(const galerkin_work *work, int row) { return row_begin(work, row) < work->row_end[row]; }
+static bool has_hessian_row(const galerkin_work *work, int row)
+{
+    return row_begin(work, row) < work->lists.row_end[row];
+}
 
 /* Returns whether an unknown takes part in the inner iterations: its rate depends on unknowns, so that it moves, and
  * some rate depends on it. A cyclic coordinate and its momentum take no part: no rate depends on the coordinate, and
@@ -162,7 +165,7 @@ static int append_rows(galerkin_work *work, bool inner, int count)
 {
     for (int u = 0; u < work->step.nodes.unknown_count; u++)
         if (has_hessian_row(work, rate_of(work, u)) && takes_part_in_inner_iterations(work, u) == inner)
-            work->unknown_of_row[count++] = u;
+            work->lists.unknown_of_row[count++] = u;
     return count;
 }
 
@@ -170,8 +173,8 @@ static int append_rows(galerkin_work *work, bool inner, int count)
 static int index_of_element(const galerkin_work *work, int row, int column)
 {
     int slot = work->step.field.tape[true]->slot_count;
-    for (int k = row_begin(work, row); k < work->row_end[row]; k++)
-        if (work->element_column[k] == column) slot = work->element_slot[k];
+    for (int k = row_begin(work, row); k < work->lists.row_end[row]; k++)
+        if (work->lists.element_column[k] == column) slot = work->lists.element_slot[k];
     return slot * work->step.nodes.lane_count;
 }
 
@@ -179,13 +182,13 @@ static void set_hamiltonian(galerkin_work *work)
 {
     hamiltonian_pass *pass = work->step.hamiltonian;
     const int lanes = work->step.nodes.lane_count;
-    int *index = work->index_in_block;
+    int *index = work->lists.index_in_block;
     for (int u = 0; u < work->step.nodes.unknown_count; u++)
-        for (int i = 0; i < 2; i++) work->slot[i][u] = work->step.field.tape[i]->output_slot[rate_of(work, u)];
+        for (int i = 0; i < 2; i++) work->lists.slot[i][u] = work->step.field.tape[i]->output_slot[rate_of(work, u)];
     pass->columns = append_rows(work, true, 0);
     pass->rows = append_rows(work, false, pass->columns);
-    pass->unknown_of_row = work->unknown_of_row;
-    pass->index_in_block = work->index_in_block;
+    pass->unknown_of_row = work->lists.unknown_of_row;
+    pass->index_in_block = work->lists.index_in_block;
     for (int first = 0; first < pass->rows; first += ROWS_PER_GROUP)
         for (int column = 0; column < pass->columns; column++)
             for (int i = first; i < first + hamiltonian_group(pass, first); i++)
@@ -199,10 +202,10 @@ static void set_lagrangian(galerkin_work *work)
 {
     lagrangian_pass *pass = work->step.lagrangian;
     for (int u = 0; u < work->step.nodes.unknown_count; u++)
-        for (int i = 0; i < 2; i++) work->slot[i][u] = work->step.field.tape[i]->output_slot[u];
-    pass->column = work->element_column;
-    pass->slot = work->element_slot;
-    pass->row_end = work->row_end;
+        for (int i = 0; i < 2; i++) work->lists.slot[i][u] = work->step.field.tape[i]->output_slot[u];
+    pass->column = work->lists.element_column;
+    pass->slot = work->lists.element_slot;
+    pass->row_end = work->lists.row_end;
     pass->invert_by_exchanges = tvi_galerkin_invert_by_exchanges;
     pass->by_exchanges = &pass->L_vv;
     pass->L_vv_factor = &work->legendre.jacobian_factor;
@@ -216,17 +219,17 @@ void tvi_galerkin_set_form(galerkin_work *work)
     if (step->form == GALERKIN_PLAIN) {
         /* The outputs of the tape are F for a separable system, (H_q, H_p) otherwise. */
         for (int u = 0; u < unknowns; u++)
-            work->rate_row[u] = system->field_values->output_slot[step->is_separable ? u : rate_of(work, u)];
+            work->lists.rate_row[u] = system->field_values->output_slot[step->is_separable ? u : rate_of(work, u)];
         work->predicted_by_impulse = work->coefficients.nu;
         return;
     }
-    list_hessian(system, work->element_column, work->element_slot, work->row_end);
-    for (int u = 0; u < unknowns; u++) work->rate_row[u] = unknowns + u;
+    list_hessian(system, work->lists.element_column, work->lists.element_slot, work->lists.row_end);
+    for (int u = 0; u < unknowns; u++) work->lists.rate_row[u] = unknowns + u;
     for (int i = 0; i < lanes; i++) {
         const int node = i < step->nodes.node_count ? i : step->nodes.node_count - 1;
         work->predicted_by_impulse[node * lanes + i] = 1 / work->coefficients.b[node];
     }
-    for (int i = 0; i < 2; i++) step->field.slot[i] = work->slot[i];
+    for (int i = 0; i < 2; i++) step->field.slot[i] = work->lists.slot[i];
     if (step->form == GALERKIN_LAGRANGIAN) set_lagrangian(work);
     else set_hamiltonian(work);
     galerkin_nodes *rates = step->lagrangian ? &step->lagrangian->rates : &step->hamiltonian->rates;

@@ -50,8 +50,8 @@ static void allocate_tail(galerkin_tail *tail, tvi_arena *arena, const tvi_syste
                                           &sums->last_term, &sums->ends, NULL});
     tail->n = system->n;
     tail->is_separable = system->form == TVI_SEPARABLE;
-    tail->has_masses = system->has_tail_shares_without_momenta;
-    tail->subsystems = system->tail_subsystems;
+    tail->has_masses = system->tail.has_shares_without_momenta;
+    tail->subsystems = system->tail.subsystems;
     tail->scale = scale;
     tail->inverse_scale = tvi_arena_allocate_doubles(arena, (size_t)system->n);
     tail->share = tvi_arena_allocate_doubles(arena, (size_t)system->n);
@@ -73,7 +73,7 @@ static void *allocate_work(tvi_arena *arena, const tvi_system *system, const tvi
     step->move_low = tvi_arena_allocate_doubles(arena, unknowns);
     work.increment_scale = tvi_arena_allocate_doubles(arena, 2 * (size_t)system->n);
     work.rate_scale = tvi_arena_allocate_doubles(arena, unknowns);
-    work.rate_row = tvi_arena_allocate(arena, unknowns * sizeof(int));
+    work.lists.rate_row = tvi_arena_allocate(arena, unknowns * sizeof(int));
     allocate_tail(&step->tail, arena, system, step->nodes.scale);
     tvi_galerkin_allocate_form(&work, arena);
     tvi_galerkin_allocate_probe(&work, arena);
@@ -90,7 +90,7 @@ static void set_tables(void *self)
     step->sum_weights = (galerkin_sum_weights){work->coefficients.one_minus_c, work->coefficients.last_term};
     step->nodes.nu = work->coefficients.nu;
     step->tail.inverse_end_weight = 1 / work->coefficients.b[0];
-    step->rate_row = work->rate_row;
+    step->rate_row = work->lists.rate_row;
     step->probe = &work->probe;
     step->rule = tvi_galerkin_make_stopping_rule(work);
     tvi_galerkin_set_form(work);
@@ -296,7 +296,7 @@ static void emit_steps(jet_text *text, const tvi_system *system, const tvi_optio
 static tvi_tapes_of_steps list_tapes(const tvi_system *system, const tvi_options *options)
 {
     const int lanes = choose_lane_count(options->degree);
-    const char *hessian = system->hessian_values ? GALERKIN_HESSIAN_TAPE : NULL;
+    const char *hessian = system->hessian.values ? GALERKIN_HESSIAN_TAPE : NULL;
     return (tvi_tapes_of_steps){
         .value_tape_emission = {.name_prefix = GALERKIN_VALUES_TAPE, .value_lane_counts = {lanes}},
         .hessian_tape_emission = {.name_prefix = hessian, .value_lane_counts = {lanes}},

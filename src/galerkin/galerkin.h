@@ -54,8 +54,11 @@ typedef struct {
      * derivatives a rate times h, which is 1 / b_i of its own impulse. */
     double *predicted_by_impulse;
     double *tape_block; /* the block of the tape of the field's values, whose inputs include the time */
-    /* Lists that the members of the same name in step, step.field and the passes point to (forms.c). */
-    int *rate_row, *slot[2], *unknown_of_row, *index_in_block, *row_end, *element_column, *element_slot;
+    /* Lists that the members of the same name in step, step.field and the passes point to (forms.c): valid after
+     * tvi_galerkin_set_form, and NULL where the form does not need them. */
+    struct {
+        int *rate_row, *slot[2], *unknown_of_row, *index_in_block, *row_end, *element_column, *element_slot;
+    } lists;
     tvi_legendre_transform legendre;                 /* for a Lagrangian */
     double *start_velocity;                          /* [n] a Lagrangian's velocity at the start of the step */
     const galerkin_generated_steps *generated_steps; /* NULL: the library makes all steps */

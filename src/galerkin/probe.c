@@ -49,7 +49,7 @@ tvi_stopping_rule tvi_galerkin_make_stopping_rule(const galerkin_work *work)
                                     .stall_ratio = TVI_STALL_WITHOUT_DECREASE,
                                     .stall_comparison_lag = 2,
                                     .is_convergence_quadratic =
-                                        step->form == GALERKIN_HAMILTONIAN && step->system->hessian_is_complete};
+                                        step->form == GALERKIN_HAMILTONIAN && step->system->hessian.is_complete};
     tvi_stopping_rule asked = tvi_passes_rule_with_options(&rule, options, SQUARE(options->tolerance));
     if (options->passes == TVI_PREDICT_ONLY) asked.max_passes = 0;
     return asked;

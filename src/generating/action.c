@@ -52,26 +52,27 @@ void tvi_action_allocate(tvi_action *action, tvi_arena *arena, const tvi_system 
                      (size_t)(TVI_WHOLE_VECTORS((action->order_count + 1) / 2) * TVI_WHOLE_VECTORS(action->half));
     const bool needs_momenta = system->form == TVI_HAMILTONIAN && !action->is_hamilton;
     action->tape = needs_momenta ? system->field_series : system->field_values;
-    tvi_arena_allocate_each(arena, nodes, (double **[]){&action->s, &action->weight, NULL});
-    tvi_node_table *const tables[] = {&action->power,      &action->slope,          &action->second,
-                                      &action->node_power, &action->weighted_power, &action->weighted_slope};
+    tvi_arena_allocate_each(arena, nodes, (double **[]){&action->tables.s, &action->tables.weight, NULL});
+    tvi_node_table *const tables[] = {&action->tables.power,          &action->tables.slope,
+                                      &action->tables.second,         &action->tables.node_power,
+                                      &action->tables.weighted_power, &action->tables.weighted_slope};
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
         tables[i]->all = tvi_arena_allocate_doubles(arena, orders * nodes);
         tvi_arena_allocate_each(arena, half_rows, (double **[]){&tables[i]->even, &tables[i]->odd, NULL});
     }
     action->node_sums = tvi_arena_allocate_doubles(arena, orders);
     if (tvi_quadrature_order(options->quadrature, options->quadrature_points) < action->q_degree + action->p_degree)
-        action->by_parts = tvi_arena_allocate_doubles(arena, orders * orders);
+        action->tables.by_parts = tvi_arena_allocate_doubles(arena, orders * orders);
     action->slots = tvi_arena_allocate_block(arena, action->tape, 1, action->nodes, 0);
     if (system->form == TVI_HAMILTONIAN && action->is_hamilton && action->is_truncated)
         action->Hp_slots = tvi_arena_allocate_block(arena, system->r_dot_Hp_values, 1, action->nodes, 0);
     action->P = tvi_arena_allocate_doubles(arena, orders * n);
-    tvi_arena_allocate_each(
-        arena, n * nodes,
-        (double **[]){&action->p, &action->dp_ds, &action->by_q, &action->by_v, &action->by_p, &action->dp, NULL});
+    tvi_arena_allocate_each(arena, n * nodes,
+                            (double **[]){&action->at_nodes.p, &action->at_nodes.dp_ds, &action->at_nodes.by_q,
+                                          &action->at_nodes.by_v, &action->at_nodes.by_p, &action->momenta.dp, NULL});
     if (needs_momenta) {
-        action->H_pp = tvi_arena_allocate_doubles(arena, n * n * nodes);
-        action->tangents = tvi_arena_allocate_doubles(arena, (size_t)action->tape->slot_count * nodes);
+        action->momenta.H_pp = tvi_arena_allocate_doubles(arena, n * n * nodes);
+        action->momenta.tangents = tvi_arena_allocate_doubles(arena, (size_t)action->tape->slot_count * nodes);
     }
     tvi_roundoff_allocate(&action->roundoff, arena, system);
 }
@@ -93,16 +94,16 @@ static double quadrature_error(int order, int points, const long double s[], con
 static void set_node(tvi_action *action, int node, long double s, bool is_end_of_step)
 {
     for (int k = 2; k < action->order_count; k++)
-        action->second.all[k * action->nodes + node] = (double)(k * (k - 1) * powl(s, k - 2));
+        action->tables.second.all[k * action->nodes + node] = (double)(k * (k - 1) * powl(s, k - 2));
     for (int k = 0; k <= action->q_degree; k++) {
         const int at = k * action->nodes + node, weighted = node * action->order_count + k;
         const bool is_left_out = action->is_truncated && k == action->q_degree && !is_end_of_step;
         const double power = (double)powl(s, k), slope = k == 0 ? 0 : k * (double)powl(s, k - 1);
-        action->power.all[at] = power;
-        action->slope.all[at] = slope;
-        action->node_power.all[at] = is_left_out ? 0 : power;
-        action->weighted_power.all[weighted] = action->weight[node] * power;
-        action->weighted_slope.all[weighted] = action->weight[node] * slope;
+        action->tables.power.all[at] = power;
+        action->tables.slope.all[at] = slope;
+        action->tables.node_power.all[at] = is_left_out ? 0 : power;
+        action->tables.weighted_power.all[weighted] = action->tables.weight[node] * power;
+        action->tables.weighted_slope.all[weighted] = action->tables.weight[node] * slope;
     }
 }
 
@@ -144,18 +145,18 @@ void tvi_action_set_tables(tvi_action *action, const tvi_options *options, tvi_s
     for (int node = 0; node < action->nodes; node++) {
         double share;
         const int i = quadrature_node(action, points, node, &share);
-        action->s[node] = (double)s[i];
-        action->weight[node] = share * (double)weight[i];
+        action->tables.s[node] = (double)s[i];
+        action->tables.weight[node] = share * (double)weight[i];
         set_node(action, node, s[i], is_end[i]);
     }
-    split_table(action, &action->power, false, 1);
-    split_table(action, &action->slope, false, -1);
-    split_table(action, &action->second, false, 1);
-    split_table(action, &action->node_power, false, 1);
-    split_table(action, &action->weighted_power, true, 1);
-    split_table(action, &action->weighted_slope, true, -1);
-    for (int k = 0; k <= action->q_degree && action->by_parts; k++)
+    split_table(action, &action->tables.power, false, 1);
+    split_table(action, &action->tables.slope, false, -1);
+    split_table(action, &action->tables.second, false, 1);
+    split_table(action, &action->tables.node_power, false, 1);
+    split_table(action, &action->tables.weighted_power, true, 1);
+    split_table(action, &action->tables.weighted_slope, true, -1);
+    for (int k = 0; k <= action->q_degree && action->tables.by_parts; k++)
         for (int j = 0; j <= action->p_degree; j++)
-            action->by_parts[k * action->order_count + j] =
+            action->tables.by_parts[k * action->order_count + j] =
                 j + k == 0 ? 0 : (j + k) * quadrature_error(order, points, s, weight, j + k - 1, span);
 }

@@ -34,24 +34,33 @@ typedef struct tvi_action {
      * at the centre is in both halves, with half its weight in each; nodes that pad a half repeat its first node with
      * weight 0. */
     int half;
-    double *s, *weight; /* [nodes] the nodes s_i in scaled time, and their weights, whose sum is s+ - s- */
-    /* s_i^k and its derivatives, 0 for k > q_degree; the second derivatives, for all orders; s_i^k as the positions q_i
-     * sum them, without the highest order at truncated nodes; and the first two times the weights. */
-    tvi_node_table power, slope, second, node_power, weighted_power, weighted_slope;
-    double *node_sums; /* [order_count] scratch: sums over the nodes for each order */
-    /* [order_count][order_count] (j + k) e_{j+k-1} of the summation by parts, for the orders k of the position and j of
-     * the momentum; NULL if all of them are 0 */
-    double *by_parts;
+    /* The tables, which are valid after tvi_action_set_tables and do not change. */
+    struct {
+        double *s, *weight; /* [nodes] the nodes s_i in scaled time, and their weights, whose sum is s+ - s- */
+        /* s_i^k and its derivatives, 0 for k > q_degree; the second derivatives, for all orders; s_i^k as the positions
+         * q_i sum them, without the highest order at truncated nodes; and the first two times the weights. */
+        tvi_node_table power, slope, second, node_power, weighted_power, weighted_slope;
+        /* [order_count][order_count] (j + k) e_{j+k-1} of the summation by parts, for the orders k of the position and
+         * j of the momentum; NULL if all of them are 0 */
+        double *by_parts;
+    } tables;
+    double *node_sums;    /* [order_count] scratch: sums over the nodes for each order */
     const jet_tape *tape; /* the field's tape at the nodes, with tangents if momenta must be found from velocities */
     double *slots;        /* the block of the tape, with one lane for each node */
     double *Hp_slots;     /* the block of H_qp p and H_pp p; for truncated nodes of a Hamiltonian */
     double *P;            /* [p_degree + 1][n] the coefficients of the momentum */
-    double *p, *dp_ds;    /* [n][nodes] the curve's momentum at the nodes, and its derivative by s */
-    /* [n][nodes] the derivatives of the action by q_i, tau v_i and p_i at node i, without the weight of the node */
-    double *by_q, *by_v, *by_p;
-    double *dp;       /* [n][nodes] the last correction of the momenta p_i that belong to velocities */
-    double *H_pp;     /* [n][n][nodes] H_pp at the nodes, or its inverse */
-    double *tangents; /* the block of the field's tangents in one direction, with one lane for each node */
+    /* What is found at the nodes, [n][nodes] each, valid from one call of tvi_action_seeds or
+     * tvi_action_evaluate_lagrangian to the next: the curve's momentum and its derivative by s, and the derivatives of
+     * the action by q_i, tau v_i and p_i at node i, without the weight of the node. */
+    struct {
+        double *p, *dp_ds, *by_q, *by_v, *by_p;
+    } at_nodes;
+    /* Memory of momenta.c, unused unless the momenta at the nodes must be found from velocities. */
+    struct {
+        double *dp;       /* [n][nodes] the last correction of the momenta p_i that belong to velocities */
+        double *H_pp;     /* [n][n][nodes] H_pp at the nodes, or its inverse */
+        double *tangents; /* the block of the field's tangents in one direction, with one lane for each node */
+    } momenta;
     tvi_roundoff_estimator roundoff; /* an estimator of the roundoff of the field at the nodes */
 } tvi_action;
 
@@ -80,14 +89,13 @@ void tvi_action_set_tables(tvi_action *action, const tvi_options *options, tvi_s
  * to a Hamiltonian's velocities were not found. */
 TVI_NODISCARD tvi_status tvi_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
 
-/* Finds the momenta p_i at the nodes that belong to the velocities in by_v: H_p(q_i, p_i) = v_i (momenta.c). The
- * iteration begins with the momenta of the curve. It leaves the solution in the second input of the field, which is
- * evaluated with it. Returns TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR or
- * TVI_ENOCONV. */
+/* Finds the momenta p_i at the nodes that belong to the velocities in at_nodes.by_v: H_p(q_i, p_i) = v_i (momenta.c).
+ * The iteration begins with the momenta of the curve. It leaves the solution in the second input of the field, which is
+ * evaluated with it. Returns TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR or TVI_ENOCONV. */
 TVI_NODISCARD tvi_status tvi_action_find_node_momenta(tvi_action *action, tvi_curve *curve);
 
 /* Evaluates the Lagrangian at nodes that lie on no single curve, at the action's times. From positions q, velocities v
- * and momenta p, [n][nodes] each, it computes by_q = tau L_q and by_v = L_v - p. */
+ * and momenta p, [n][nodes] each, it computes at_nodes.by_q = tau L_q and by_v = L_v - p. */
 TVI_NODISCARD tvi_status tvi_action_evaluate_lagrangian(tvi_action *action, tvi_curve *curve, const double q[],
                                                         const double v[], const double p[]);
 

@@ -46,24 +46,32 @@ typedef struct {
     bool has_pi; /* If it is not set, the formulas have pi = 0. */
     end_curve a, b;
     tvi_newton newton; /* The corrector. Its unknowns are v0, q1, v1, scaled as the z of the curves. */
-    tvi_legendre_transform legendre;
-    /* q, and tau v (p for a Hamiltonian), at the end of curve a, which predict z of curve b. */
-    tvi_series_sum a_q_at_end, a_v_at_end;
-    double *y, *v, *pi, *dpi_ds; /* [n][points] The blends y, v, pi and the derivative of pi at the nodes. */
-    /* [n][points] The derivatives of the action by y_i and v_i at node i, and by the difference a - b there. If v is
-     * the derivative of the blend, the action depends on a - b also through v. */
-    double *S_y, *S_v, *S_difference;
-    double *row;                    /* [points] Scratch: one component of a series at the nodes. */
+    /* The predictor. Its transform and its guess of the velocity are used for a Lagrangian only. */
+    struct {
+        tvi_legendre_transform legendre;
+        /* q, and tau v (p for a Hamiltonian), at the end of curve a, which predict z of curve b. */
+        tvi_series_sum q_at_end, v_at_end;
+        double *velocity_guess; /* [n] The velocity at the last predictor; part of the history. */
+    } predictor;
+    /* The blend of the curves at the nodes, valid from one call of compute_gradient to the next. */
+    struct {
+        double *y, *v, *pi, *dpi_ds; /* [n][points] The blends y, v, pi and the derivative of pi. */
+        /* [n][points] The derivatives of the action by y_i and v_i at node i, and by the difference a - b there. If v
+         * is the derivative of the blend, the action depends on a - b also through v. */
+        double *S_y, *S_v, *S_difference;
+        double *row; /* [points] Scratch: one component of a series. */
+    } blend;
     double *z_a;                    /* [2n] The z of curve a. */
-    double *velocity_guess;         /* [n] A Lagrangian's velocity at the last predictor; part of the history. */
     double *start_correction_p;     /* [n] What is added to p_a(0), the momentum of curve a at its start, to give p0. */
     double *increment_correction_p; /* [n] What is added to p_b(0) - p_a(0) to give p1 - p0. */
     double *last_dq, *last_dp;      /* [n] The increments of the last step. */
     double *scratch;                /* [n] */
-    /* The step that is being made. */
-    const tvi_step_origin *origin;
-    double h;
-    tvi_stats *stats;
+    /* The step that is being made: valid until make_step returns. */
+    struct {
+        const tvi_step_origin *origin;
+        double h;
+        tvi_stats *stats;
+    } step;
 } work;
 
 /* ---- Memory and tables ------------------------------------------------------------------------------------------- */
@@ -104,14 +112,15 @@ static void *allocate(tvi_arena *arena, const tvi_system *system, const tvi_opti
     allocate_curve(&w.b, arena, system, options, -1);
     tvi_newton_allocate(&w.newton, arena, 3, system, true);
     if (system->form == TVI_LAGRANGIAN) {
-        tvi_legendre_allocate(&w.legendre, arena, system);
-        w.velocity_guess = tvi_arena_allocate_copied(arena, n * sizeof *w.velocity_guess);
+        tvi_legendre_allocate(&w.predictor.legendre, arena, system);
+        w.predictor.velocity_guess = tvi_arena_allocate_copied(arena, n * sizeof *w.predictor.velocity_guess);
     }
-    w.a_q_at_end = tvi_series_sum_allocate(&w.a.curve, arena);
-    w.a_v_at_end = tvi_series_sum_allocate(&w.a.curve, arena);
+    w.predictor.q_at_end = tvi_series_sum_allocate(&w.a.curve, arena);
+    w.predictor.v_at_end = tvi_series_sum_allocate(&w.a.curve, arena);
     tvi_arena_allocate_each(arena, n * points,
-                            (double **[]){&w.y, &w.v, &w.pi, &w.dpi_ds, &w.S_y, &w.S_v, &w.S_difference, NULL});
-    w.row = tvi_arena_allocate_doubles(arena, points);
+                            (double **[]){&w.blend.y, &w.blend.v, &w.blend.pi, &w.blend.dpi_ds, &w.blend.S_y,
+                                          &w.blend.S_v, &w.blend.S_difference, NULL});
+    w.blend.row = tvi_arena_allocate_doubles(arena, points);
     tvi_arena_allocate_each(arena, 2 * n,
                             (double **[]){&w.z_a, &w.start_correction_p, &w.increment_correction_p, &w.last_dq,
                                           &w.last_dp, &w.scratch, NULL});
@@ -128,7 +137,7 @@ static void set_curve_tables(const work *w, end_curve *x, tvi_step_span span)
     tvi_action_set_tables(&x->action, w->options, span);
     tvi_series_sum_set(&x->q_rise, &x->curve, false, powers);
     tvi_series_sum_set(&x->u_start, &x->curve, true, zeroth);
-    for (int node = 0; node < w->points; node++) x->blend[node] = 1 - x->sign * x->action.s[node];
+    for (int node = 0; node < w->points; node++) x->blend[node] = 1 - x->sign * x->action.tables.s[node];
 }
 
 static void set_tables(void *self)
@@ -143,20 +152,21 @@ static void set_tables(void *self)
         ones[k] = 1;
         slopes[k] = k;
     }
-    tvi_series_sum_set(&w->a_q_at_end, &w->a.curve, false, ones);
-    tvi_series_sum_set(&w->a_v_at_end, &w->a.curve, hamiltonian, hamiltonian ? ones : slopes);
+    tvi_series_sum_set(&w->predictor.q_at_end, &w->a.curve, false, ones);
+    tvi_series_sum_set(&w->predictor.v_at_end, &w->a.curve, hamiltonian, hamiltonian ? ones : slopes);
 }
 
 /* ---- The gradient of the action ---------------------------------------------------------------------------------- */
 
-/* Sets w->row to the sum of c_k table_k at the nodes for the orders k = lowest .. degree, with c_k = c[k * stride]. */
+/* Sets w->blend.row to the sum of c_k table_k at the nodes for the orders k = lowest .. degree, with c_k =
+ * c[k * stride]. */
 static void set_row_to_series(const work *w, int lowest, int degree, const double *c, size_t stride,
                               const double *table)
 {
-    for (int node = 0; node < w->points; node++) w->row[node] = 0;
+    for (int node = 0; node < w->points; node++) w->blend.row[node] = 0;
     for (int k = degree; k >= lowest; k--)
         for (int node = 0; node < w->points; node++)
-            w->row[node] += c[(size_t)k * stride] * table[k * w->points + node];
+            w->blend.row[node] += c[(size_t)k * stride] * table[k * w->points + node];
 }
 
 /* Adds the blended part of one curve, (1 - s) a or s b, to out. */
@@ -164,7 +174,7 @@ static void add_blended_series(const work *w, const end_curve *x, int degree, co
                                const double *table, double out[])
 {
     set_row_to_series(w, 0, degree, c, stride, table);
-    for (int node = 0; node < w->points; node++) out[node] += x->blend[node] * w->row[node];
+    for (int node = 0; node < w->points; node++) out[node] += x->blend[node] * w->blend.row[node];
 }
 
 /* Adds one curve's part to the difference b - a in out: it subtracts the terms of curve a, or adds those of curve b,
@@ -173,8 +183,8 @@ static void add_blended_series(const work *w, const end_curve *x, int degree, co
 static void add_to_b_minus_a(const work *w, const end_curve *x, int degree, const double *c, size_t stride,
                              double difference_0, double out[])
 {
-    set_row_to_series(w, 1, degree, c, stride, x->action.power.all);
-    for (int node = 0; node < w->points; node++) out[node] -= x->sign * w->row[node] + difference_0 / 2;
+    set_row_to_series(w, 1, degree, c, stride, x->action.tables.power.all);
+    for (int node = 0; node < w->points; node++) out[node] -= x->sign * w->blend.row[node] + difference_0 / 2;
 }
 
 /* Adds one curve's part to component i of y, dy/ds, pi and dpi/ds. */
@@ -183,15 +193,16 @@ static void blend_component(const work *w, const end_curve *x, int i)
     const size_t at = (size_t)i * (size_t)w->points, n = (size_t)w->n, stride = curve_stride(&x->curve);
     const int degree = w->degree;
     const double *Q = curve_Q(&x->curve, 0) + i, *P = x->P + i;
-    const double *power = x->action.power.all, *slope = x->action.slope.all;
+    const double *power = x->action.tables.power.all, *slope = x->action.tables.slope.all;
     const double Q_0_difference = curve_Q(&w->a.curve, 0)[i] - curve_Q(&w->b.curve, 0)[i],
                  P_0_difference = w->a.P[i] - w->b.P[i];
-    add_blended_series(w, x, degree, Q, stride, power, w->y + at);
-    add_blended_series(w, x, degree, Q, stride, slope, w->v + at);
-    if (w->options->nodes == TVI_NODES_ON_CURVE) add_to_b_minus_a(w, x, degree, Q, stride, Q_0_difference, w->v + at);
-    add_blended_series(w, x, degree - 1, P, n, power, w->pi + at);
-    add_blended_series(w, x, degree - 1, P, n, slope, w->dpi_ds + at);
-    add_to_b_minus_a(w, x, degree - 1, P, n, P_0_difference, w->dpi_ds + at);
+    add_blended_series(w, x, degree, Q, stride, power, w->blend.y + at);
+    add_blended_series(w, x, degree, Q, stride, slope, w->blend.v + at);
+    if (w->options->nodes == TVI_NODES_ON_CURVE)
+        add_to_b_minus_a(w, x, degree, Q, stride, Q_0_difference, w->blend.v + at);
+    add_blended_series(w, x, degree - 1, P, n, power, w->blend.pi + at);
+    add_blended_series(w, x, degree - 1, P, n, slope, w->blend.dpi_ds + at);
+    add_to_b_minus_a(w, x, degree - 1, P, n, P_0_difference, w->blend.dpi_ds + at);
 }
 
 /* Computes R of one curve from the seeds, the derivatives of the action by each coefficient Q_k. */
@@ -200,12 +211,14 @@ static void compute_gradient_R(const work *w, end_curve *x)
     const int n = w->n, points = w->points;
     for (int i = 0; i < n; i++)
         for (int k = 0; k <= w->degree; k++) {
-            const double *power = x->action.power.all + k * points, *slope = x->action.slope.all + k * points;
+            const double *power = x->action.tables.power.all + k * points,
+                         *slope = x->action.tables.slope.all + k * points;
             double sum = 0;
             for (int node = 0; node < points; node++) {
                 const int at = i * points + node;
-                const double blended = x->blend[node] * (power[node] * w->S_y[at] + slope[node] * w->S_v[at]);
-                sum += w->a.action.weight[node] * (blended + x->sign * power[node] * w->S_difference[at]);
+                const double blended =
+                    x->blend[node] * (power[node] * w->blend.S_y[at] + slope[node] * w->blend.S_v[at]);
+                sum += w->a.action.tables.weight[node] * (blended + x->sign * power[node] * w->blend.S_difference[at]);
             }
             x->seed_Q[k * n + i] = sum;
         }
@@ -218,7 +231,7 @@ static tvi_status compute_gradient(work *w)
 {
     const int count = w->n * w->points;
     const bool on_curve = w->options->nodes == TVI_NODES_ON_CURVE;
-    double *const panels[] = {w->y, w->v, w->pi, w->dpi_ds};
+    double *const panels[] = {w->blend.y, w->blend.v, w->blend.pi, w->blend.dpi_ds};
     for (int i = 0; i < 4; i++) memset(panels[i], 0, (size_t)count * sizeof *panels[i]);
     curve_compute_P(&w->a.curve, w->degree - 1, w->a.P);
     curve_compute_P(&w->b.curve, w->degree - 1, w->b.P);
@@ -226,14 +239,15 @@ static tvi_status compute_gradient(work *w)
         blend_component(w, &w->a, i);
         blend_component(w, &w->b, i);
     }
-    for (int i = 0; i < count; i++) w->v[i] /= w->a.curve.tau;
-    w->stats->force_evaluations += w->points;
-    const tvi_status status = tvi_action_evaluate_lagrangian(&w->a.action, &w->a.curve, w->y, w->v, w->pi);
+    for (int i = 0; i < count; i++) w->blend.v[i] /= w->a.curve.tau;
+    w->step.stats->force_evaluations += w->points;
+    const tvi_status status =
+        tvi_action_evaluate_lagrangian(&w->a.action, &w->a.curve, w->blend.y, w->blend.v, w->blend.pi);
     if (status != TVI_OK) return status;
     for (int i = 0; i < count; i++) {
-        w->S_y[i] = w->a.action.by_q[i] - (w->has_pi ? w->dpi_ds[i] : 0);
-        w->S_v[i] = w->a.action.by_v[i] + (w->has_pi ? 0 : w->pi[i]);
-        w->S_difference[i] = on_curve ? -w->S_v[i] : w->has_pi ? w->pi[i] : 0;
+        w->blend.S_y[i] = w->a.action.at_nodes.by_q[i] - (w->has_pi ? w->blend.dpi_ds[i] : 0);
+        w->blend.S_v[i] = w->a.action.at_nodes.by_v[i] + (w->has_pi ? 0 : w->blend.pi[i]);
+        w->blend.S_difference[i] = on_curve ? -w->blend.S_v[i] : w->has_pi ? w->blend.pi[i] : 0;
     }
     compute_gradient_R(w, &w->a);
     compute_gradient_R(w, &w->b);
@@ -244,8 +258,8 @@ static tvi_status compute_gradient(work *w)
 
 static tvi_status expand(const work *w, end_curve *x, const double z[], double centre)
 {
-    w->stats->expansions++;
-    curve_set_tau(&x->curve, w->h);
+    w->step.stats->expansions++;
+    curve_set_tau(&x->curve, w->step.h);
     curve_set_z(&x->curve, z);
     return tvi_curve_expand(&x->curve, centre);
 }
@@ -275,7 +289,7 @@ static tvi_status solve_for_multiplier(const work *w, end_curve *x)
     tvi_series_sum_compute_jacobian(&x->curve, &x->q_rise, x->q_rise_jacobian);
     for (size_t i = 0; i < n; i++) memcpy(x->B.lu + i * n, x->q_rise_jacobian + i * 2 * n + n, n * sizeof(double));
     memcpy(x->multiplier, x->R + n, n * sizeof(double));
-    w->stats->factorisations++;
+    w->step.stats->factorisations++;
     const tvi_status status = tvi_factor_compute(&x->B);
     if (status == TVI_OK) tvi_factor_solve_transposed(&x->B, x->multiplier);
     return status;
@@ -294,13 +308,13 @@ static tvi_status compute_residual(void *self, const double x[], double r[])
 {
     work *w = self;
     end_curve *a = &w->a, *b = &w->b;
-    const tvi_step_origin *origin = w->origin;
+    const tvi_step_origin *origin = w->step.origin;
     const int n = w->n;
     const double *q1 = x + n, has_pi = w->has_pi ? 1 : 0;
     memcpy(w->z_a, origin->q, (size_t)n * sizeof *x);
     memcpy(w->z_a + n, x, (size_t)n * sizeof *x);
     tvi_status status = expand(w, a, w->z_a, origin->t + origin->t_low);
-    if (status == TVI_OK) status = expand(w, b, q1, origin->t + (origin->t_low + w->h));
+    if (status == TVI_OK) status = expand(w, b, q1, origin->t + (origin->t_low + w->step.h));
     if (status != TVI_OK) return status;
     tvi_curve_compute_jacobians(&a->curve);
     tvi_curve_compute_jacobians(&b->curve);
@@ -330,7 +344,7 @@ static bool compute_jacobian(void *self, double matrix[])
 {
     const work *w = self;
     const size_t n = (size_t)w->n, row = 3 * n, bytes = n * sizeof *matrix;
-    double *u_jacobian = w->a.curve.sum_jacobian;
+    double *u_jacobian = w->a.curve.jacobians.of_sum;
     memset(matrix, 0, row * row * sizeof *matrix);
     tvi_series_sum_compute_jacobian(&w->a.curve, &w->a.u_start, u_jacobian);
     for (size_t i = 0; i < n; i++) memcpy(matrix + (2 * n + i) * row, u_jacobian + i * 2 * n + n, bytes);
@@ -350,8 +364,8 @@ static void estimate_roundoff(void *self, double r[])
     work *w = self;
     const int n = w->n;
     double *of_u = r + 2 * n;
-    w->stats->force_evaluations +=
-        tvi_action_end_roundoff(&w->a.action, &w->a.curve, w->h, w->origin->q, w->origin->p, r, of_u);
+    w->step.stats->force_evaluations +=
+        tvi_action_end_roundoff(&w->a.action, &w->a.curve, w->step.h, w->step.origin->q, w->step.origin->p, r, of_u);
     memcpy(r + n, r, (size_t)n * sizeof *r);
     for (int i = 0; i < n; i++) of_u[i] *= fabs(w->a.curve.kappa[i]);
 }
@@ -362,14 +376,14 @@ static void estimate_roundoff(void *self, double r[])
 static tvi_status predict(work *w)
 {
     const size_t n = (size_t)w->n;
-    const tvi_step_origin *origin = w->origin;
-    tvi_status status = tvi_legendre_compute_start(&w->legendre, w->system, w->h, origin->t, origin->q, origin->p,
-                                                   w->velocity_guess, w->z_a);
+    const tvi_step_origin *origin = w->step.origin;
+    tvi_status status = tvi_legendre_compute_start(&w->predictor.legendre, w->system, w->step.h, origin->t, origin->q,
+                                                   origin->p, w->predictor.velocity_guess, w->z_a);
     if (status != TVI_OK) return status;
     status = expand(w, &w->a, w->z_a, origin->t + origin->t_low);
     memcpy(w->newton.x, w->z_a + n, n * sizeof(double));
-    tvi_series_sum_compute(&w->a.curve, &w->a_q_at_end, w->newton.x + n);
-    tvi_series_sum_compute(&w->a.curve, &w->a_v_at_end, w->newton.x + 2 * n);
+    tvi_series_sum_compute(&w->a.curve, &w->predictor.q_at_end, w->newton.x + n);
+    tvi_series_sum_compute(&w->a.curve, &w->predictor.v_at_end, w->newton.x + 2 * n);
     return status;
 }
 
@@ -381,7 +395,7 @@ static void compute_increments(work *w, double dq[], double dp[])
     const int n = w->n;
     const size_t bytes = (size_t)n * sizeof(double);
     end_curve *a = &w->a, *b = &w->b;
-    memcpy(a->dz, w->origin->q_low, bytes);
+    memcpy(a->dz, w->step.origin->q_low, bytes);
     memcpy(a->dz + n, w->newton.correction, bytes);
     memcpy(b->dz, w->newton.correction + n, 2 * bytes);
     tvi_curve_set_dz(&a->curve, a->dz);
@@ -408,9 +422,9 @@ static tvi_status make_step(void *self, double h, const tvi_step_origin *origin,
                                      .scale = compute_scale,
                                      .jacobian = compute_jacobian,
                                      .roundoff = estimate_roundoff};
-    w->origin = origin;
-    w->h = h;
-    w->stats = stats;
+    w->step.origin = origin;
+    w->step.h = h;
+    w->step.stats = stats;
     tvi_status status = predict(w);
     if (status == TVI_OK) status = tvi_newton_solve(&w->newton, &equations, stats);
     if (status != TVI_OK) return status;

@@ -22,28 +22,30 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
     const size_t orders = (size_t)highest_order + 1, n = (size_t)system->n,
                  slots = (size_t)system->field_series->slot_count,
                  lanes = 2 * n < CURVE_TANGENT_DIRECTIONS ? 2 * n : CURVE_TANGENT_DIRECTIONS;
-    *curve = (tvi_curve){.system = system, .jacobians = jacobians, .n = system->n, .highest_order = highest_order};
-    tvi_arena_allocate_each(
-        arena, n,
-        (double **[]){&curve->kappa, &curve->dq_size, &curve->u_size, &curve->tail_share, &curve->tail_ratio, NULL});
+    *curve = (tvi_curve){.system = system, .jacobians.use = jacobians, .n = system->n, .highest_order = highest_order};
+    tvi_arena_allocate_each(arena, n,
+                            (double **[]){&curve->kappa, &curve->sizes.dq, &curve->sizes.u, &curve->sizes.share,
+                                          &curve->sizes.ratio, NULL});
     tvi_arena_allocate_each(arena, orders + 1, (double **[]){&curve->one_over, &curve->log_of, NULL});
-    curve->q_size_sum = tvi_series_sum_allocate(curve, arena);
-    curve->u_size_sum = tvi_series_sum_allocate(curve, arena);
+    curve->sizes.q_sum = tvi_series_sum_allocate(curve, arena);
+    curve->sizes.u_sum = tvi_series_sum_allocate(curve, arena);
     curve->series = tvi_arena_allocate_block(arena, system->field_series, highest_order + 1, 1, 0);
     if (jacobians == TVI_JACOBIAN_PRODUCTS)
-        tvi_arena_allocate_each(arena, orders * slots, (double **[]){&curve->tangents, &curve->adjoints, NULL});
+        tvi_arena_allocate_each(arena, orders * slots,
+                                (double **[]){&curve->jacobians.tangents, &curve->jacobians.adjoints, NULL});
     if (jacobians == TVI_JACOBIAN_MATRICES) {
-        curve->tangents = tvi_arena_allocate_doubles(arena, orders * slots * lanes);
-        tvi_arena_allocate_each(arena, 2 * n, (double **[]){&curve->dz, &curve->U_product, NULL});
-        curve->sum_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * n);
-        curve->dQ_dz = tvi_arena_allocate_doubles(arena, orders * n * 2 * n);
-        if (system->form != TVI_SEPARABLE) curve->dU_dz = tvi_arena_allocate_doubles(arena, orders * n * 2 * n);
+        curve->jacobians.tangents = tvi_arena_allocate_doubles(arena, orders * slots * lanes);
+        tvi_arena_allocate_each(arena, 2 * n, (double **[]){&curve->jacobians.dz, &curve->jacobians.U_product, NULL});
+        curve->jacobians.of_sum = tvi_arena_allocate_doubles(arena, 2 * n * n);
+        curve->jacobians.dQ_dz = tvi_arena_allocate_doubles(arena, orders * n * 2 * n);
+        if (system->form != TVI_SEPARABLE)
+            curve->jacobians.dU_dz = tvi_arena_allocate_doubles(arena, orders * n * 2 * n);
     }
     if (system->form == TVI_SEPARABLE) return;
-    tvi_factor_allocate(&curve->L_vv, arena, system->n);
-    curve->dslots_dv = tvi_arena_allocate_doubles(arena, slots * n);
-    curve->right_sides = tvi_arena_allocate_doubles(arena, n * lanes);
-    curve->column = tvi_arena_allocate_doubles(arena, n);
+    tvi_factor_allocate(&curve->centre.L_vv, arena, system->n);
+    curve->centre.dslots_dv = tvi_arena_allocate_doubles(arena, slots * n);
+    curve->centre.right_sides = tvi_arena_allocate_doubles(arena, n * lanes);
+    curve->centre.column = tvi_arena_allocate_doubles(arena, n);
 }
 
 void tvi_curve_fill_tables(tvi_curve *curve)
@@ -71,12 +73,13 @@ tvi_status tvi_curve_factor_L_vv(tvi_curve *curve)
 {
     const tvi_system *system = curve->system;
     const int n = curve->n, *output = system->field_series->output_slot;
-    double *by_v = curve->dslots_dv;
+    double *by_v = curve->centre.dslots_dv;
     memset(by_v, 0, (size_t)(first_computed_slot(system) * n) * sizeof *by_v);
     for (int i = 0; i < n; i++) by_v[(n + i) * n + i] = 1;
     jet_sweep_tangents(system->field_series, curve->series, by_v, 0, n);
-    for (int i = 0; i < n; i++) memcpy(curve->L_vv.lu + i * n, by_v + output[n + i] * n, (size_t)n * sizeof *by_v);
-    return tvi_factor_compute(&curve->L_vv);
+    for (int i = 0; i < n; i++)
+        memcpy(curve->centre.L_vv.lu + i * n, by_v + output[n + i] * n, (size_t)n * sizeof *by_v);
+    return tvi_factor_compute(&curve->centre.L_vv);
 }
 
 /* Sets Q_k = tau V_{k-1} / k, and V_k = 0. Vectors are of lanes, not of components: V_{k-1} was stored number by
@@ -103,20 +106,20 @@ static void solve_for_velocity(const tvi_curve *curve, int k, int lanes, const d
 {
     const int n = curve->n, slots = (int)curve_stride(curve), *output = curve->system->field_series->output_slot;
     const size_t stride = (size_t)lanes;
-    double *V_k = order + n * lanes, *column = curve->column;
+    double *V_k = order + n * lanes, *column = curve->centre.column;
     for (int i = 0; i < n; i++) {
         const double *L_q = previous + output[i] * lanes, *L_v = order + output[n + i] * lanes;
         for (int lane = 0; lane < lanes; lane++)
-            curve->right_sides[i * lanes + lane] = curve->tau * L_q[lane] / k - L_v[lane];
+            curve->centre.right_sides[i * lanes + lane] = curve->tau * L_q[lane] / k - L_v[lane];
     }
     for (int lane = 0; lane < lanes; lane++) {
-        for (int i = 0; i < n; i++) column[i] = curve->right_sides[i * lanes + lane];
-        tvi_factor_solve(&curve->L_vv, column);
+        for (int i = 0; i < n; i++) column[i] = curve->centre.right_sides[i * lanes + lane];
+        tvi_factor_solve(&curve->centre.L_vv, column);
         for (int i = 0; i < n; i++) V_k[i * lanes + lane] = column[i];
     }
     if (k == curve->highest_order) return;
     for (int slot = first_computed_slot(curve->system); slot < slots; slot++) {
-        const double *by_v = curve->dslots_dv + slot * n;
+        const double *by_v = curve->centre.dslots_dv + slot * n;
         double *row = order + slot * lanes;
         JET_BLOCKS(lanes, ADD_VELOCITY, );
     }
@@ -194,9 +197,9 @@ void tvi_curve_expand_tangents(tvi_curve *curve, int lanes)
     const int orders_ahead = form == TVI_SEPARABLE ? 2 : form == TVI_HAMILTONIAN ? 1 : 0;
     const size_t stride = curve_stride(curve) * (size_t)lanes;
     for (int k = 0; k + orders_ahead <= curve->highest_order; k++) {
-        double *order = curve->tangents + (size_t)k * stride, *next = order + (size_t)orders_ahead * stride;
+        double *order = curve->jacobians.tangents + (size_t)k * stride, *next = order + (size_t)orders_ahead * stride;
         if (form == TVI_LAGRANGIAN && k > 0) set_lagrangian_Q(curve, k, lanes, order - stride, order);
-        jet_sweep_tangents(system->field_series, curve->series, curve->tangents, k, lanes);
+        jet_sweep_tangents(system->field_series, curve->series, curve->jacobians.tangents, k, lanes);
         if (form == TVI_LAGRANGIAN && k > 0) solve_for_velocity(curve, k, lanes, order - stride, order);
         for (int i = 0; i < n && form == TVI_SEPARABLE; i++)
             set_tangent_row(lanes, curve->kappa[i] * (curve->tau / ((k + 1) * (k + 2))), order + output[i] * lanes,
@@ -259,16 +262,16 @@ void tvi_curve_set_degrees(tvi_curve *curve, int q_degree, int p_degree)
     curve->q_degree = q_degree;
     curve->p_degree = p_degree;
     for (int k = 0; k <= q_degree; k++) weight[k] = k;
-    tvi_series_sum_set(&curve->q_size_sum, curve, false, weight);
+    tvi_series_sum_set(&curve->sizes.q_sum, curve, false, weight);
     for (int k = p_degree + 1; k <= q_degree; k++) weight[k] = 0;
     weight[0] = 1;
-    tvi_series_sum_set(&curve->u_size_sum, curve, true, weight);
+    tvi_series_sum_set(&curve->sizes.u_sum, curve, true, weight);
 }
 
 void tvi_curve_compute_sizes(const tvi_curve *curve)
 {
-    series_sum_add_up(curve, &curve->q_size_sum, true, curve->dq_size);
-    series_sum_add_up(curve, &curve->u_size_sum, true, curve->u_size);
+    series_sum_add_up(curve, &curve->sizes.q_sum, true, curve->sizes.dq);
+    series_sum_add_up(curve, &curve->sizes.u_sum, true, curve->sizes.u);
 }
 
 double tvi_curve_tail(const tvi_curve *curve)
@@ -281,17 +284,17 @@ double tvi_curve_tail(const tvi_curve *curve)
         const double u_last = p_degree * fabs(curve_U(curve, p_degree, i)),
                      q_last = system->form == TVI_SEPARABLE ? 0 : q_degree * fabs(curve_Q(curve, q_degree)[i]);
         const tvi_component_sizes_in_step component = {
-            .momentum_size = curve->u_size[i],
-            .q_change_size = curve->dq_size[i],
+            .momentum_size = curve->sizes.u[i],
+            .q_change_size = curve->sizes.dq[i],
             .p_change_by_last_term = u_last,
             .q_change_by_last_term = q_last,
             .coordinate_size = fabs(curve_Q(curve, 0)[i]),
-            .one_over_momentum_size = 1 / tvi_larger(curve->u_size[i], TVI_LEAST_SIZE),
-            .one_over_q_change_size = 1 / tvi_larger(curve->dq_size[i], TVI_LEAST_SIZE)};
-        curve->tail_share[i] = tvi_component_motion_share(&component, system->has_tail_shares_without_momenta);
-        curve->tail_ratio[i] = tvi_component_last_term_ratio(&component);
+            .one_over_momentum_size = 1 / tvi_larger(curve->sizes.u[i], TVI_LEAST_SIZE),
+            .one_over_q_change_size = 1 / tvi_larger(curve->sizes.dq[i], TVI_LEAST_SIZE)};
+        curve->sizes.share[i] = tvi_component_motion_share(&component, system->tail.has_shares_without_momenta);
+        curve->sizes.ratio[i] = tvi_component_last_term_ratio(&component);
     }
-    return tvi_compute_tail(&system->tail_subsystems, curve->n, curve->tail_share, curve->tail_ratio);
+    return tvi_compute_tail(&system->tail.subsystems, curve->n, curve->sizes.share, curve->sizes.ratio);
 }
 
 /* ---- Another unit of time ---------------------------------------------------------------------------------------- */
@@ -400,16 +403,16 @@ void tvi_curve_rescale(tvi_curve *curve, double factor, double dq[], double du[]
     compute_powers(factor, curve->highest_order, power);
     curve->tau *= factor;
     if (form == TVI_SEPARABLE) { /* all rows are Q_k; U_0 = Q_1 does not enter the increment of u */
-        const taylor_rows rows = {x,  curve_stride(curve), n, 2, curve->highest_order, dq, curve->dq_size,
-                                  du, curve->u_size};
+        const taylor_rows rows = {x,  curve_stride(curve), n, 2, curve->highest_order, dq, curve->sizes.dq,
+                                  du, curve->sizes.u};
         rescale_rows(&rows, power, true);
         for (int i = 0; i < n; i++) curve->kappa[i] *= power[1];
         return;
     }
-    rescale_components(curve, power, x, n, q_degree, dq, curve->dq_size);
-    if (form == TVI_HAMILTONIAN) rescale_components(curve, power, x + n, n, p_degree, du, curve->u_size);
+    rescale_components(curve, power, x, n, q_degree, dq, curve->sizes.dq);
+    if (form == TVI_HAMILTONIAN) rescale_components(curve, power, x + n, n, p_degree, du, curve->sizes.u);
     for (int i = 0; i < n && form == TVI_LAGRANGIAN; i++)
         rescale_components(curve, power, x + curve->system->field_series->output_slot[n + i], 1, p_degree, du + i,
-                           curve->u_size + i);
-    for (int i = 0; i < n; i++) curve->u_size[i] += fabs(curve_U(curve, 0, i));
+                           curve->sizes.u + i);
+    for (int i = 0; i < n; i++) curve->sizes.u[i] += fabs(curve_U(curve, 0, i));
 }

@@ -70,26 +70,35 @@ typedef struct {
 
 typedef struct {
     const tvi_system *system;
-    tvi_jacobians jacobians;
     int n, highest_order;      /* the number of coordinates, and the highest order of Q that is computed */
     int q_degree, p_degree;    /* the degrees to which q and p are summed */
     double tau;                /* the unit of time */
     double *kappa;             /* [n] the factor that scales the momentum */
     double *series;            /* the block of the field's series, orders 0 .. highest_order */
-    double *tangents;          /* the tangents of all slots in up to CURVE_TANGENT_DIRECTIONS directions of z */
-    int cleared_lanes;         /* the number of lanes with which the tangents were last cleared; 0: never */
-    double *adjoints;          /* the adjoints of all slots in all orders; only for products */
-    double *dQ_dz, *dU_dz;     /* [highest_order + 1][n][2n] dQ_k/dz and dU_k/dz; dU_dz is NULL if separable */
-    double *dz;                /* [2n] the direction of tvi_curve_set_dz */
-    double *U_product;         /* [2n] scratch: sum_k (dU_k/dz)^T seed_k */
-    double *sum_jacobian;      /* [n][2n] scratch: the Jacobian of a sum */
     double *one_over, *log_of; /* [highest_order + 2] 1 / k and log k */
-    tvi_series_sum q_size_sum, u_size_sum;
-    double *dq_size, *u_size;        /* [n] sum_k k |Q_k|, and |U_0| + sum_k k |U_k| */
-    double *tail_share, *tail_ratio; /* [n] scratch of the tail: shares of the motion, and ratios of the last term */
-    tvi_lu_factor L_vv;              /* L_vv or H_pp at the centre; unused if separable */
-    double *dslots_dv;               /* [slots][n] the derivatives of all slots by v, or p, at the centre */
-    double *right_sides, *column;    /* scratch for solving with L_vv: [n][lanes], and one column [n] */
+    /* The Jacobians by z: NULL unless they are used, and then of the curve for which they were last computed. */
+    struct {
+        tvi_jacobians use;
+        double *dQ_dz, *dU_dz; /* [highest_order + 1][n][2n] dQ_k/dz and dU_k/dz; dU_dz is NULL if separable */
+        double *tangents;      /* the tangents of all slots in up to CURVE_TANGENT_DIRECTIONS directions of z */
+        int cleared_lanes;     /* the number of lanes with which the tangents were last cleared; 0: never */
+        double *adjoints;      /* the adjoints of all slots in all orders; only for products */
+        double *dz;            /* [2n] the direction of tvi_curve_set_dz */
+        double *U_product;     /* [2n] scratch: sum_k (dU_k/dz)^T seed_k */
+        double *of_sum;        /* [n][2n] scratch: the Jacobian of a sum */
+    } jacobians;
+    /* The sizes of the coefficients, valid after tvi_curve_compute_sizes or tvi_curve_rescale. */
+    struct {
+        tvi_series_sum q_sum, u_sum; /* the sums that give dq and u, valid after tvi_curve_set_degrees */
+        double *dq, *u;              /* [n] sum_k k |Q_k|, and |U_0| + sum_k k |U_k| */
+        double *share, *ratio;       /* [n] scratch of the tail: shares of the motion, and ratios of the last term */
+    } sizes;
+    /* The matrix L_vv, or H_pp, and solving with it: unused if separable, valid after tvi_curve_factor_L_vv. */
+    struct {
+        tvi_lu_factor L_vv;           /* L_vv or H_pp at the centre */
+        double *dslots_dv;            /* [slots][n] the derivatives of all slots by v, or p, at the centre */
+        double *right_sides, *column; /* scratch for solving with L_vv: [n][lanes], and one column [n] */
+    } centre;
 } tvi_curve;
 
 /* ---- The coefficients -------------------------------------------------------------------------------------------- */
@@ -192,7 +201,7 @@ void tvi_series_sum_compute_change(const tvi_curve *curve, const tvi_series_sum 
  * and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
 void tvi_curve_z_sizes(const tvi_curve *curve, double size[]);
 
-/* Computes dq_size and u_size, the sums that bound dq/ds and du/ds in the step. */
+/* Computes sizes.dq and sizes.u, the sums that bound dq/ds and du/ds in the step. */
 void tvi_curve_compute_sizes(const tvi_curve *curve);
 /* Returns tvi_stats.tail (algebra/tail.h) from these sizes; it is 0 if p' has one term only. */
 double tvi_curve_tail(const tvi_curve *curve);
@@ -206,7 +215,7 @@ tvi_jacobians tvi_curve_choose_jacobians(const tvi_system *system);
 /* Computes all orders of the tangents, [highest_order + 1][slots][lanes], from those of z in the block. */
 void tvi_curve_expand_tangents(tvi_curve *curve, int lanes);
 
-/* Computes dQ_dz and dU_dz of the curve last expanded. */
+/* Computes jacobians.dQ_dz and dU_dz of the curve last expanded. */
 void tvi_curve_compute_jacobians(tvi_curve *curve);
 
 /* Computes out[2n] = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k], with seeds [highest_order + 1][n]. seed_U may

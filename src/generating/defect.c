@@ -29,10 +29,10 @@ void tvi_defect_allocate(tvi_defect *defect, tvi_arena *arena, const tvi_curve *
                             (double **[]){&defect->power, &defect->slope, &defect->second, NULL});
     defect->field = tvi_arena_allocate_block(arena, system->field_values, 1, PLACES, 0);
     tvi_roundoff_allocate(&defect->roundoff, arena, system);
-    if (!system->energy || system->uses_time || system->is_driven) return;
-    defect->energy = tvi_arena_allocate_block(arena, system->energy, 1, 2, 0);
-    defect->energy_at_point = tvi_arena_allocate_block(arena, system->energy, 1, 1, 0);
-    defect->energy_roundoff = tvi_arena_allocate_doubles(arena, (size_t)system->energy->slot_count * SAMPLES);
+    if (!system->energy.tape || system->uses_time || system->is_driven) return;
+    defect->energy = tvi_arena_allocate_block(arena, system->energy.tape, 1, 2, 0);
+    defect->energy_at_point = tvi_arena_allocate_block(arena, system->energy.tape, 1, 1, 0);
+    defect->energy_roundoff = tvi_arena_allocate_doubles(arena, (size_t)system->energy.tape->slot_count * SAMPLES);
 }
 
 void tvi_defect_set_tables(const tvi_defect *defect, const tvi_curve *curve)
@@ -171,7 +171,7 @@ static double set_energy_inputs(const comparison *with, const tvi_step_origin *o
 /* Returns the roundoff of the energy tape's output at the two ends. */
 static double energy_roundoff(const tvi_defect *defect, const tvi_system *system)
 {
-    const jet_tape *tape = system->energy;
+    const jet_tape *tape = system->energy.tape;
     double sum = 0;
     for (int end = 0; end < 2; end++) {
         for (int i = 0; i < tape->input_count; i++) defect->energy_at_point[i] = defect->energy[2 * i + end];
@@ -186,20 +186,20 @@ static bool is_energy_kept(const comparison *with, const tvi_step_origin *origin
 {
     const tvi_curve *curve = with->curve;
     const tvi_system *system = curve->system;
-    const jet_tape *tape = system->energy;
+    const jet_tape *tape = system->energy.tape;
     if (!with->defect->energy) return true;
     const double change = set_energy_inputs(with, origin, increments);
     if (!tape->sweeps->values(tape, with->defect->energy, 2)) return false;
     const double *output = with->defect->energy + 2 * tape->output_slot[0],
                  sign = system->form == TVI_LAGRANGIAN  ? -1
-                        : system->form == TVI_SEPARABLE ? system->energy_sign
+                        : system->form == TVI_SEPARABLE ? system->energy.sign
                                                         : 1,
                  all = change + sign * (output[1] - output[0]);
     const double one_over_h = 1 / with->h;
     double allowed = 0, terms = 0;
     for (int i = 0; i < curve->n; i++) {
         const double one_over_kappa = system->form == TVI_SEPARABLE ? system->mass[i] * one_over_h : 1;
-        allowed += fabs(one_over_kappa) * (with->largest_u * curve->dq_size[i] + with->largest_q * curve->u_size[i]);
+        allowed += fabs(one_over_kappa) * (with->largest_u * curve->sizes.dq[i] + with->largest_q * curve->sizes.u[i]);
         terms += fabs(increments->dq[i] * origin->p[i]);
     }
     allowed *= with->tolerance / fabs(with->h);
@@ -211,14 +211,14 @@ static bool is_energy_kept(const comparison *with, const tvi_step_origin *origin
 bool tvi_defect_is_small(tvi_curve_work *w, double h, const tvi_increments *increments)
 {
     const tvi_curve *curve = &w->c.curve;
-    const tvi_step_origin *origin = w->origin;
-    comparison with = {.defect = &w->defect, .curve = curve, .h = h, .tolerance = w->tolerance};
+    const tvi_step_origin *origin = w->step.origin;
+    comparison with = {.defect = &w->adapted.defect, .curve = curve, .h = h, .tolerance = w->adapted.tolerance};
     with.largest_q = with.largest_u = TVI_LEAST_SIZE;
     for (int i = 0; i < curve->n; i++) {
         const double u = fabs(origin->p[i]) + fabs(increments->dp[i]);
         with.largest_q = tvi_larger(fabs(origin->q[i]) + fabs(increments->dq[i]), with.largest_q);
         with.largest_u = tvi_larger(fabs(curve->kappa[i]) * u, with.largest_u);
     }
-    return evaluate_field(&w->defect, curve, h, origin) && is_field_met(&with) &&
+    return evaluate_field(&w->adapted.defect, curve, h, origin) && is_field_met(&with) &&
            is_energy_kept(&with, origin, increments);
 }

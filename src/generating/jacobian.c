@@ -37,7 +37,7 @@ tvi_tapes_of_steps tvi_curve_list_tapes(const tvi_system *system, const tvi_opti
 /* The tangents of slot i at order k, in `lanes` directions. */
 static double *tangent_row(const tvi_curve *curve, int lanes, int k, int i)
 {
-    return curve->tangents + ((size_t)k * curve_stride(curve) + (size_t)i) * (size_t)lanes;
+    return curve->jacobians.tangents + ((size_t)k * curve_stride(curve) + (size_t)i) * (size_t)lanes;
 }
 
 /* Sets the tangents of z to unit vectors, the directions first .. first + lanes - 1. The tangents of the time and of
@@ -50,9 +50,9 @@ static void set_directions(tvi_curve *curve, int first, int lanes)
     const size_t others = (size_t)(system->uses_time + system->field_series->constant_count) * width;
     for (int k = 0; k < z_orders && k <= curve->highest_order; k++)
         memset(tangent_row(curve, lanes, k, 0), 0, (size_t)inputs * width);
-    for (int k = 0; k <= curve->highest_order && curve->cleared_lanes != lanes; k++)
+    for (int k = 0; k <= curve->highest_order && curve->jacobians.cleared_lanes != lanes; k++)
         memset(tangent_row(curve, lanes, k, inputs), 0, others);
-    curve->cleared_lanes = lanes;
+    curve->jacobians.cleared_lanes = lanes;
     for (int d = first; d < first + lanes; d++) {
         const bool in_order_1 = d >= n && system->form == TVI_SEPARABLE;
         double *row = in_order_1 ? tangent_row(curve, lanes, 1, d - n) : tangent_row(curve, lanes, 0, d);
@@ -82,25 +82,25 @@ void tvi_curve_compute_jacobians(tvi_curve *curve)
         const int left = 2 * n - first, lanes = left < CURVE_TANGENT_DIRECTIONS ? left : CURVE_TANGENT_DIRECTIONS;
         set_directions(curve, first, lanes);
         tvi_curve_expand_tangents(curve, lanes);
-        store_columns(curve, first, lanes, NULL, 0, curve->dQ_dz);
-        if (form == TVI_LAGRANGIAN) store_columns(curve, first, lanes, output + n, 0, curve->dU_dz);
-        if (form == TVI_HAMILTONIAN) store_columns(curve, first, lanes, NULL, n, curve->dU_dz);
+        store_columns(curve, first, lanes, NULL, 0, curve->jacobians.dQ_dz);
+        if (form == TVI_LAGRANGIAN) store_columns(curve, first, lanes, output + n, 0, curve->jacobians.dU_dz);
+        if (form == TVI_HAMILTONIAN) store_columns(curve, first, lanes, NULL, n, curve->jacobians.dU_dz);
     }
 }
 
 void tvi_series_sum_compute_jacobian(const tvi_curve *curve, const tvi_series_sum *sum, double matrix[])
 {
     jet_combine_rows(curve->highest_order + 1, sum->weight, 1, 2 * curve->n * curve->n,
-                     sum->is_of_U ? curve->dU_dz : curve->dQ_dz, matrix);
+                     sum->is_of_U ? curve->jacobians.dU_dz : curve->jacobians.dQ_dz, matrix);
 }
 
 void tvi_curve_multiply_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
 {
     const int n = curve->n, rows = (curve->highest_order + 1) * n;
-    jet_combine_rows(rows, seed_Q, 1, 2 * n, curve->dQ_dz, out);
+    jet_combine_rows(rows, seed_Q, 1, 2 * n, curve->jacobians.dQ_dz, out);
     if (curve->system->form == TVI_SEPARABLE || !seed_U) return;
-    jet_combine_rows(rows, seed_U, 1, 2 * n, curve->dU_dz, curve->U_product);
-    for (int d = 0; d < 2 * n; d++) out[d] += curve->U_product[d];
+    jet_combine_rows(rows, seed_U, 1, 2 * n, curve->jacobians.dU_dz, curve->jacobians.U_product);
+    for (int d = 0; d < 2 * n; d++) out[d] += curve->jacobians.U_product[d];
 }
 
 /* ---- Products with one direction --------------------------------------------------------------------------------- */
@@ -108,12 +108,12 @@ void tvi_curve_multiply_seeds(tvi_curve *curve, const double seed_Q[], const dou
 void tvi_curve_set_dz(tvi_curve *curve, const double dz[])
 {
     const size_t n = (size_t)curve->n;
-    if (curve->jacobians == TVI_JACOBIAN_MATRICES) {
-        memcpy(curve->dz, dz, 2 * n * sizeof *dz);
+    if (curve->jacobians.use == TVI_JACOBIAN_MATRICES) {
+        memcpy(curve->jacobians.dz, dz, 2 * n * sizeof *dz);
         return;
     }
-    memcpy(curve->tangents, dz, n * sizeof *dz);
-    memcpy(curve->tangents + curve_stride(curve), dz + n, n * sizeof *dz);
+    memcpy(curve->jacobians.tangents, dz, n * sizeof *dz);
+    memcpy(curve->jacobians.tangents + curve_stride(curve), dz + n, n * sizeof *dz);
     tvi_curve_expand_tangents(curve, 1);
 }
 
@@ -121,12 +121,12 @@ void tvi_series_sum_compute_change(const tvi_curve *curve, const tvi_series_sum 
 {
     const int n = curve->n;
     memset(out, 0, (size_t)n * sizeof *out);
-    if (curve->jacobians == TVI_JACOBIAN_PRODUCTS) {
+    if (curve->jacobians.use == TVI_JACOBIAN_PRODUCTS) {
         tvi_add_weighted_rows((size_t)curve->highest_order + 1, sum->weight, curve_stride(curve), (size_t)n,
-                              curve->tangents, out);
+                              curve->jacobians.tangents, out);
         return;
     }
-    tvi_series_sum_compute_jacobian(curve, sum, curve->sum_jacobian);
+    tvi_series_sum_compute_jacobian(curve, sum, curve->jacobians.of_sum);
     for (int i = 0; i < n; i++)
-        for (int d = 0; d < 2 * n; d++) out[i] += curve->sum_jacobian[i * 2 * n + d] * curve->dz[d];
+        for (int d = 0; d < 2 * n; d++) out[i] += curve->jacobians.of_sum[i * 2 * n + d] * curve->jacobians.dz[d];
 }

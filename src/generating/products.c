@@ -24,7 +24,10 @@
 
 /* ---- Products with transposed Jacobians -------------------------------------------------------------------------- */
 
-static double *adjoint_of_Q(const tvi_curve *curve, int k) { return curve->adjoints + (size_t)k * curve_stride(curve); }
+static double *adjoint_of_Q(const tvi_curve *curve, int k)
+{
+    return curve->jacobians.adjoints + (size_t)k * curve_stride(curve);
+}
 
 /* Sets the adjoints of Q_k to the seeds, and all other adjoints to 0, since operations of an order may add to the
  * adjoints of all lower orders. The sweep does not use other adjoints of the last two orders, since no Q_k follows from
@@ -65,7 +68,7 @@ void tvi_multiply_transposed(tvi_curve *curve, int last_order, const tvi_transpo
         const double part = curve->tau / ((k + 1) * (k + 2)), *above = adjoint_of_Q(curve, k + 2);
         double *bar = adjoint_of_Q(curve, k);
         JET_BLOCKS((int)n, ADD_TO_FORCE, );
-        jet_sweep_adjoints(curve->system->field_series, curve->series, curve->adjoints, k, last_order - 2);
+        jet_sweep_adjoints(curve->system->field_series, curve->series, curve->jacobians.adjoints, k, last_order - 2);
     }
     memcpy(out, adjoint_of_Q(curve, 0), n * sizeof *out);
     memcpy(out + n, adjoint_of_Q(curve, 1), n * sizeof *out);

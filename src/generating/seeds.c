@@ -58,14 +58,14 @@ static void set_times(const tvi_action *action, const tvi_curve *curve)
     double *t = action->slots + inputs * action->nodes;
     if (!curve->system->uses_time) return;
     for (int node = 0; node < action->nodes; node++)
-        t[node] = JET_FUSED(curve->tau, action->s[node], curve_Q(curve, 0)[inputs]);
+        t[node] = JET_FUSED(curve->tau, action->tables.s[node], curve_Q(curve, 0)[inputs]);
 }
 
 /* Computes the velocities v = (dq/ds)/tau at the nodes. */
 static void set_velocities(const tvi_action *action, const tvi_curve *curve, double *v)
 {
     for (int i = 0; i < curve->n; i++, v += action->nodes) {
-        evaluate_series(action, action->q_degree, curve_Q(curve, 0) + i, curve_stride(curve), &action->slope, v);
+        evaluate_series(action, action->q_degree, curve_Q(curve, 0) + i, curve_stride(curve), &action->tables.slope, v);
         for (int node = 0; node < action->nodes; node++) v[node] /= curve->tau;
     }
 }
@@ -89,16 +89,17 @@ static void evaluate_curve(const tvi_action *action, const tvi_curve *curve)
     const bool separable = curve->system->form == TVI_SEPARABLE, needs_p = action->is_hamilton || action->has_by_v;
     const int n = curve->n, nodes = action->nodes, p_degree = action->p_degree;
     const size_t stride = curve_stride(curve);
-    if (needs_p || action->by_parts || !separable) curve_compute_P(curve, p_degree, action->P);
+    if (needs_p || action->tables.by_parts || !separable) curve_compute_P(curve, p_degree, action->P);
     for (int i = 0; i < n; i++) {
         const double *Q = curve_Q(curve, 0) + i, *P = action->P + i;
-        double *dp_ds = action->dp_ds + i * nodes;
-        if (needs_p) evaluate_series(action, p_degree, P, (size_t)n, &action->power, action->p + i * nodes);
+        double *dp_ds = action->at_nodes.dp_ds + i * nodes;
+        if (needs_p)
+            evaluate_series(action, p_degree, P, (size_t)n, &action->tables.power, action->at_nodes.p + i * nodes);
         if (separable) {
-            evaluate_series(action, p_degree + 1, Q, stride, &action->second, dp_ds);
+            evaluate_series(action, p_degree + 1, Q, stride, &action->tables.second, dp_ds);
             divide_row(nodes, curve->kappa[i], dp_ds);
-        } else evaluate_series(action, p_degree, P, (size_t)n, &action->slope, dp_ds);
-        evaluate_series(action, action->q_degree, Q, stride, &action->node_power, action->slots + i * nodes);
+        } else evaluate_series(action, p_degree, P, (size_t)n, &action->tables.slope, dp_ds);
+        evaluate_series(action, action->q_degree, Q, stride, &action->tables.node_power, action->slots + i * nodes);
     }
     set_times(action, curve);
 }
@@ -133,24 +134,24 @@ static tvi_status compute_lagrange(tvi_action *action, tvi_curve *curve, bool ha
     switch (curve->system->form) {
     case TVI_SEPARABLE:
         status = action_evaluate_field(action);
-        copy_outputs(action, n, 0, tau, action->by_q);
+        copy_outputs(action, n, 0, tau, action->at_nodes.by_q);
         if (!has_by_v) return status;
-        for (int i = 0; i < count; i++) action->by_v[i] *= curve->system->mass[i / action->nodes];
+        for (int i = 0; i < count; i++) action->at_nodes.by_v[i] *= curve->system->mass[i / action->nodes];
         break;
     case TVI_LAGRANGIAN:
-        memcpy(second, action->by_v, (size_t)count * sizeof *second);
+        memcpy(second, action->at_nodes.by_v, (size_t)count * sizeof *second);
         status = action_evaluate_field(action);
-        copy_outputs(action, n, 0, tau, action->by_q);
-        copy_outputs(action, n, n, 1, action->by_v);
+        copy_outputs(action, n, 0, tau, action->at_nodes.by_q);
+        copy_outputs(action, n, n, 1, action->at_nodes.by_v);
         break;
     case TVI_HAMILTONIAN:
     case TVI_FIELD:
         status = tvi_action_find_node_momenta(action, curve);
-        copy_outputs(action, n, 0, -tau, action->by_q);
-        memcpy(action->by_v, second, (size_t)count * sizeof *second);
+        copy_outputs(action, n, 0, -tau, action->at_nodes.by_q);
+        memcpy(action->at_nodes.by_v, second, (size_t)count * sizeof *second);
         break;
     }
-    subtract(count, action->p, action->by_v);
+    subtract(count, action->at_nodes.p, action->at_nodes.by_v);
     return status;
 }
 
@@ -160,17 +161,17 @@ static tvi_status compute_hamilton(tvi_action *action, const tvi_curve *curve)
     const bool separable = curve->system->form == TVI_SEPARABLE;
     const int n = curve->n, nodes = action->nodes;
     const double tau = curve->tau;
-    if (!separable) memcpy(action->slots + n * nodes, action->p, (size_t)(n * nodes) * sizeof(double));
+    if (!separable) memcpy(action->slots + n * nodes, action->at_nodes.p, (size_t)(n * nodes) * sizeof(double));
     const tvi_status status = action_evaluate_field(action);
     if (status != TVI_OK) return status;
-    copy_outputs(action, n, 0, separable ? tau : -tau, action->by_q);
+    copy_outputs(action, n, 0, separable ? tau : -tau, action->at_nodes.by_q);
     if (!action->has_by_p) return status;
-    set_velocities(action, curve, action->by_p);
+    set_velocities(action, curve, action->at_nodes.by_p);
     for (int i = 0; i < n; i++) {
         const double mass = separable ? curve->system->mass[i] : 1,
-                     *H_p =
-                         separable ? action->p + i * nodes : action_output(action, action->tape, action->slots, n + i);
-        double *restrict by_p = action->by_p + i * nodes;
+                     *H_p = separable ? action->at_nodes.p + i * nodes
+                                      : action_output(action, action->tape, action->slots, n + i);
+        double *restrict by_p = action->at_nodes.by_p + i * nodes;
         for (int node = 0; node < nodes; node++) by_p[node] = tau * (by_p[node] - H_p[node] / mass);
     }
     return status;
@@ -185,24 +186,24 @@ static tvi_status compute_truncated_hamilton(tvi_action *action, const tvi_curve
     const int n = curve->n, nodes = action->nodes;
     const size_t panel = (size_t)(n * nodes) * sizeof(double);
     const double tau = curve->tau;
-    if (!separable) memcpy(action->slots + n * nodes, action->p, panel);
+    if (!separable) memcpy(action->slots + n * nodes, action->at_nodes.p, panel);
     const tvi_status status = action_evaluate_field(action);
     if (status != TVI_OK) return status;
-    copy_outputs(action, n, 0, separable ? tau : -tau, action->by_q);
+    copy_outputs(action, n, 0, separable ? tau : -tau, action->at_nodes.by_q);
     if (!separable) {
         memcpy(action->Hp_slots, action->slots, (size_t)((2 * n + system->uses_time) * nodes) * sizeof(double));
-        memcpy(action->Hp_slots + (2 * n + 1) * nodes, action->p, panel);
+        memcpy(action->Hp_slots + (2 * n + 1) * nodes, action->at_nodes.p, panel);
         if (!jet_sweep_values(products, action->Hp_slots, nodes)) return TVI_EDOMAIN;
     }
     for (int i = 0; i < n; i++)
         for (int node = 0; node < nodes; node++) {
             const int at = i * nodes + node;
-            if (separable) action->by_p[at] = tau * action->p[at] / system->mass[i];
+            if (separable) action->at_nodes.by_p[at] = tau * action->at_nodes.p[at] / system->mass[i];
             else {
-                action->by_q[at] += tau * action_output(action, products, action->Hp_slots, i)[node];
-                action->by_p[at] = tau * action_output(action, products, action->Hp_slots, n + i)[node];
+                action->at_nodes.by_q[at] += tau * action_output(action, products, action->Hp_slots, i)[node];
+                action->at_nodes.by_p[at] = tau * action_output(action, products, action->Hp_slots, n + i)[node];
             }
-            action->by_v[at] = -action->p[at];
+            action->at_nodes.by_v[at] = -action->at_nodes.p[at];
         }
     return TVI_OK;
 }
@@ -236,21 +237,23 @@ static const double *sum_over_nodes(const tvi_action *action, const tvi_node_tab
 static void set_by_q_seeds(tvi_action *action, const tvi_curve *curve, double seed[])
 {
     const int n = curve->n, nodes = action->nodes, N = action->q_degree;
-    const double *power = action->power.all + N * nodes, *node_power = action->node_power.all + N * nodes;
-    subtract(n * nodes, action->dp_ds, action->by_q);
+    const double *power = action->tables.power.all + N * nodes, *node_power = action->tables.node_power.all + N * nodes;
+    subtract(n * nodes, action->at_nodes.dp_ds, action->at_nodes.by_q);
     for (int i = 0; i < n; i++) {
-        const double *defect = action->by_q + i * nodes, *force = action->dp_ds + i * nodes;
-        const double *row = sum_over_nodes(action, &action->weighted_power, defect);
+        const double *defect = action->at_nodes.by_q + i * nodes, *force = action->at_nodes.dp_ds + i * nodes;
+        const double *row = sum_over_nodes(action, &action->tables.weighted_power, defect);
         for (int k = 0; k <= N; k++) seed[k * n + i] = row[k];
         for (int node = 0; node < nodes && action->is_truncated; node++)
-            seed[N * n + i] -= action->weight[node] * (defect[node] + force[node]) * (power[node] - node_power[node]);
+            seed[N * n + i] -=
+                action->tables.weight[node] * (defect[node] + force[node]) * (power[node] - node_power[node]);
     }
 }
 
 static void add_by_v_seeds(const tvi_action *action, int n, double seed[])
 {
     for (int i = 0; i < n; i++) {
-        const double *row = sum_over_nodes(action, &action->weighted_slope, action->by_v + i * action->nodes);
+        const double *row =
+            sum_over_nodes(action, &action->tables.weighted_slope, action->at_nodes.by_v + i * action->nodes);
         for (int k = 1; k <= action->q_degree; k++) seed[k * n + i] += row[k];
     }
 }
@@ -261,7 +264,8 @@ static void add_by_p_seeds(const tvi_action *action, const tvi_curve *curve, dou
     const bool separable = curve->system->form == TVI_SEPARABLE;
     const int n = curve->n;
     for (int i = 0; i < n; i++) {
-        const double *row = sum_over_nodes(action, &action->weighted_power, action->by_p + i * action->nodes);
+        const double *row =
+            sum_over_nodes(action, &action->tables.weighted_power, action->at_nodes.by_p + i * action->nodes);
         for (int k = 0; k <= action->p_degree; k++) {
             if (!separable) seed_U[k * n + i] = row[k] / curve->kappa[i];
             else if (k < curve->highest_order) seed_Q[(k + 1) * n + i] += (k + 1) * (row[k] / curve->kappa[i]);
@@ -273,7 +277,7 @@ static void add_by_parts_seeds(const tvi_action *action, int n, double seed[])
 {
     for (int k = 0; k <= action->q_degree; k++)
         for (int j = 0; j <= action->p_degree; j++) {
-            const double error = action->by_parts[k * action->order_count + j];
+            const double error = action->tables.by_parts[k * action->order_count + j];
             for (int i = 0; i < n && error != 0; i++) seed[k * n + i] += error * action->P[j * n + i];
         }
 }
@@ -285,7 +289,7 @@ tvi_status tvi_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[
     for (int i = (action->q_degree + 1) * n; i < seeds; i++) seed_Q[i] = 0;
     for (int i = 0; i < seeds && curve->system->form != TVI_SEPARABLE; i++) seed_U[i] = 0;
     evaluate_curve(action, curve);
-    if (action->has_by_v) set_velocities(action, curve, action->by_v);
+    if (action->has_by_v) set_velocities(action, curve, action->at_nodes.by_v);
     const tvi_status status = is_bent               ? compute_truncated_hamilton(action, curve)
                               : action->is_hamilton ? compute_hamilton(action, curve)
                                                     : compute_lagrange(action, curve, action->has_by_v);
@@ -293,7 +297,7 @@ tvi_status tvi_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[
     set_by_q_seeds(action, curve, seed_Q);
     if (is_bent || action->has_by_v) add_by_v_seeds(action, n, seed_Q);
     if (is_bent || action->has_by_p) add_by_p_seeds(action, curve, seed_Q, seed_U);
-    if (action->by_parts) add_by_parts_seeds(action, n, seed_Q);
+    if (action->tables.by_parts) add_by_parts_seeds(action, n, seed_Q);
     const bool has_U = curve->system->form != TVI_SEPARABLE;
     return tvi_all_finite(seeds, seed_Q) && (!has_U || tvi_all_finite(seeds, seed_U)) ? TVI_OK : TVI_ENONFINITE;
 }
@@ -303,8 +307,8 @@ tvi_status tvi_action_evaluate_lagrangian(tvi_action *action, tvi_curve *curve, 
 {
     const size_t panel = (size_t)(curve->n * action->nodes) * sizeof *q;
     memcpy(action->slots, q, panel);
-    memcpy(action->by_v, v, panel);
-    memcpy(action->p, p, panel);
+    memcpy(action->at_nodes.by_v, v, panel);
+    memcpy(action->at_nodes.p, p, panel);
     set_times(action, curve);
     return compute_lagrange(action, curve, true);
 }
@@ -319,7 +323,7 @@ int tvi_action_end_roundoff(tvi_action *action, const tvi_curve *curve, double h
     const int n = curve->n, nodes = action->nodes;
     memset(q_roundoff, 0, (size_t)n * sizeof *q_roundoff);
     memset(p_roundoff, 0, (size_t)n * sizeof *p_roundoff);
-    if (!tvi_roundoff_may_exceed_motion(system, h, q, p, action->slots, action->p, nodes, nodes)) return 0;
+    if (!tvi_roundoff_may_exceed_motion(system, h, q, p, action->slots, action->at_nodes.p, nodes, nodes)) return 0;
     const int values = tvi_roundoff_estimate_field(&action->roundoff, system, action->slots, nodes, nodes);
     for (int i = 0; i < n; i++) {
         p_roundoff[i] = fabs(h) * d[i] + DBL_EPSILON * fabs(p[i]);

@@ -15,27 +15,27 @@ typedef tvi_curve_work work;
 
 static tvi_status expand_at(work *w, const double z[], double centre)
 {
-    w->stats->expansions++;
-    curve_set_tau(&w->c.curve, w->tau);
+    w->step.stats->expansions++;
+    curve_set_tau(&w->c.curve, w->step.tau);
     curve_set_z(&w->c.curve, z);
     return tvi_curve_expand(&w->c.curve, centre);
 }
 
 tvi_status tvi_step_expand(work *w, const double z[])
 {
-    return expand_at(w, z, w->origin->t + (w->origin->t_low + -w->c.span.start_s * w->tau));
+    return expand_at(w, z, w->step.origin->t + (w->step.origin->t_low + -w->c.span.start_s * w->step.tau));
 }
 
 tvi_status tvi_step_predict(work *w)
 {
-    const tvi_step_origin *origin = w->origin;
+    const tvi_step_origin *origin = w->step.origin;
     const tvi_curve *curve = &w->c.curve;
-    tvi_status status = tvi_legendre_compute_start(&w->legendre, curve->system, w->tau, origin->t, origin->q, origin->p,
-                                                   w->velocity_guess, w->z);
+    tvi_status status = tvi_legendre_compute_start(&w->predictor.legendre, curve->system, w->step.tau, origin->t,
+                                                   origin->q, origin->p, w->predictor.velocity_guess, w->predictor.z);
     if (status != TVI_OK || w->c.span.start_s == 0) return status;
-    status = expand_at(w, w->z, origin->t + origin->t_low);
-    tvi_series_sum_compute(curve, &w->q_at_centre, w->z);
-    tvi_series_sum_compute(curve, &w->v_at_centre, w->z + curve->n);
+    status = expand_at(w, w->predictor.z, origin->t + origin->t_low);
+    tvi_series_sum_compute(curve, &w->predictor.q_at_centre, w->predictor.z);
+    tvi_series_sum_compute(curve, &w->predictor.v_at_centre, w->predictor.z + curve->n);
     return status;
 }
 
@@ -79,14 +79,14 @@ static tvi_status compute_residual(void *self, const double z[], double *restric
 {
     work *w = self;
     tvi_corrected_curve *c = &w->c;
-    const tvi_step_origin *origin = w->origin;
+    const tvi_step_origin *origin = w->step.origin;
     const int n = c->curve.n;
     const double *Q_0 = curve_Q(&c->curve, 0);
     tvi_status status = tvi_step_expand(w, z);
     if (status != TVI_OK) return status;
-    w->stats->force_evaluations += w->options->quadrature_points;
+    w->step.stats->force_evaluations += w->options->quadrature_points;
     status = tvi_action_seeds(&w->action, &c->curve, c->seed_Q, c->seed_U);
-    if (status == TVI_OK) status = c->solver->solve(c, z, w->newton.scale, w->stats);
+    if (status == TVI_OK) status = c->solver->solve(c, z, w->newton.scale, w->step.stats);
     if (status != TVI_OK) return status;
     set_end_corrections(c);
     tvi_series_sum_compute(&c->curve, &w->q_start_rise, r);
@@ -119,8 +119,9 @@ static void estimate_roundoff(void *self, double r[])
     work *w = self;
     const tvi_curve *curve = &w->c.curve;
     const int n = curve->n;
-    const double h = (w->c.span.end_s - w->c.span.start_s) * w->tau;
-    w->stats->force_evaluations += tvi_action_end_roundoff(&w->action, curve, h, w->origin->q, w->origin->p, r, r + n);
+    const double h = (w->c.span.end_s - w->c.span.start_s) * w->step.tau;
+    w->step.stats->force_evaluations +=
+        tvi_action_end_roundoff(&w->action, curve, h, w->step.origin->q, w->step.origin->p, r, r + n);
     for (int i = 0; i < n; i++) r[n + i] *= fabs(curve->kappa[i]);
 }
 
@@ -137,8 +138,8 @@ static tvi_status run_corrector(work *w)
                                      .solve = is_identity || !c->solver->correct ? NULL : apply_inverse_jacobian,
                                      .roundoff = estimate_roundoff};
     c->solver->begin(c);
-    memcpy(w->newton.x, w->z, 2 * (size_t)c->curve.n * sizeof *w->z);
-    const tvi_status status = tvi_newton_solve(&w->newton, &equations, w->stats);
+    memcpy(w->newton.x, w->predictor.z, 2 * (size_t)c->curve.n * sizeof *w->predictor.z);
+    const tvi_status status = tvi_newton_solve(&w->newton, &equations, w->step.stats);
     if (status == TVI_OK) tvi_curve_set_dz(&c->curve, w->newton.correction);
     return status;
 }
@@ -185,11 +186,11 @@ static tvi_status make_step(void *self, double h, const tvi_step_origin *origin,
     work *w = self;
     const tvi_corrected_curve *c = &w->c;
     const tvi_curve *curve = &c->curve;
-    w->origin = origin;
-    w->stats = stats;
-    w->tau = c->span.tau_over_h * h;
+    w->step.origin = origin;
+    w->step.stats = stats;
+    w->step.tau = c->span.tau_over_h * h;
     tvi_status status = tvi_step_predict(w);
-    if (status == TVI_OK) status = w->has_corrections ? run_corrector(w) : tvi_step_expand(w, w->z);
+    if (status == TVI_OK) status = w->has_corrections ? run_corrector(w) : tvi_step_expand(w, w->predictor.z);
     if (status != TVI_OK) return status;
     /* The plain Taylor method sums all orders of a curve from the start. */
     const bool is_taylor =
@@ -197,8 +198,8 @@ static tvi_status make_step(void *self, double h, const tvi_step_origin *origin,
     if (is_taylor) tvi_step_taylor_increments(w, h, increments);
     else compute_increments(w, &c->ends[TVI_Q_STEP], &c->ends[TVI_U_STEP], 1, increments->dq, increments->dp);
     if (curve->system->form == TVI_LAGRANGIAN) { /* from this velocity the next step searches its initial velocity */
-        tvi_series_sum_compute(curve, &w->v_at_end, w->velocity_guess);
-        for (int i = 0; i < curve->n; i++) w->velocity_guess[i] /= curve->tau;
+        tvi_series_sum_compute(curve, &w->predictor.v_at_end, w->predictor.velocity_guess);
+        for (int i = 0; i < curve->n; i++) w->predictor.velocity_guess[i] /= curve->tau;
     }
     if (!is_taylor) tvi_curve_compute_sizes(curve);
     stats->tail = tvi_curve_tail(curve);
@@ -247,14 +248,15 @@ static void *allocate(tvi_arena *arena, const tvi_system *system, const tvi_opti
     c->curve.q_degree = options->degree;
     c->curve.p_degree = shape.p_degree;
     for (int i = TVI_NO_SUM + 1; i < TVI_END_SUMS; i++) c->ends[i] = tvi_series_sum_allocate(&c->curve, arena);
-    tvi_series_sum *const sums[] = {&c->p_size_sum, &w.q_start_rise, &w.q_at_centre, &w.v_at_centre,
-                                    &w.v_at_end,    &w.dense_q,      &w.dense_u};
+    tvi_series_sum *const sums[] = {
+        &c->p_size_sum, &w.q_start_rise, &w.predictor.q_at_centre, &w.predictor.v_at_centre, &w.predictor.v_at_end,
+        &w.dense_q,     &w.dense_u};
     for (size_t i = 0; i < sizeof sums / sizeof *sums; i++) *sums[i] = tvi_series_sum_allocate(&c->curve, arena);
     if (system->form == TVI_LAGRANGIAN) {
-        tvi_legendre_allocate(&w.legendre, arena, system);
-        w.velocity_guess = tvi_arena_allocate_copied(arena, n * sizeof *w.velocity_guess);
+        tvi_legendre_allocate(&w.predictor.legendre, arena, system);
+        w.predictor.velocity_guess = tvi_arena_allocate_copied(arena, n * sizeof *w.predictor.velocity_guess);
     }
-    w.z = tvi_arena_allocate_doubles(arena, 2 * n);
+    w.predictor.z = tvi_arena_allocate_doubles(arena, 2 * n);
     w.scratch = tvi_arena_allocate_doubles(arena, n);
     if (definition->equations.upper_sum == TVI_NO_SUM) tvi_taylor_allocate(&w, arena);
     if (w.has_corrections) {
@@ -284,9 +286,9 @@ static void set_tables(void *self)
     double weight[TVI_MAX_DEGREE + 2], end_weight[TVI_MAX_DEGREE + 2];
     tvi_curve_fill_tables(curve);
     tvi_curve_set_degrees(curve, curve->q_degree, curve->p_degree);
-    if (w->increment_refinement.high_weight) {
-        tvi_defect_set_tables(&w->defect, curve);
-        tvi_refine_set_tables(&w->increment_refinement, curve);
+    if (w->adapted.refinement.high_weight) {
+        tvi_defect_set_tables(&w->adapted.defect, curve);
+        tvi_refine_set_tables(&w->adapted.refinement, curve);
     }
     for (int i = 0; i < 4; i++) {
         tvi_series_sum_set_powers(&c->ends[TVI_Q_START + i], curve, false, curve->q_degree, factor[i][0], to,
@@ -296,13 +298,13 @@ static void set_tables(void *self)
     }
     tvi_series_sum_set_powers(&c->p_size_sum, curve, true, curve->p_degree, 1, 1, 0, 0);
     tvi_series_sum_set_powers(&w->q_start_rise, curve, false, curve->q_degree, 1, from, -1, 0);
-    tvi_series_sum_set_powers(&w->q_at_centre, curve, false, curve->highest_order, 1, s, 0, 0);
+    tvi_series_sum_set_powers(&w->predictor.q_at_centre, curve, false, curve->highest_order, 1, s, 0, 0);
     for (int k = 0; k <= curve->highest_order; k++) {
         weight[k] = hamiltonian ? pow(s, k) : k > 0 ? k * pow(s, k - 1) : 0;
         end_weight[k] = k > 0 ? k * pow(to, k - 1) : 0;
     }
-    tvi_series_sum_set(&w->v_at_centre, curve, hamiltonian, weight);
-    tvi_series_sum_set(&w->v_at_end, curve, false, end_weight);
+    tvi_series_sum_set(&w->predictor.v_at_centre, curve, hamiltonian, weight);
+    tvi_series_sum_set(&w->predictor.v_at_end, curve, false, end_weight);
     if (!w->has_corrections) return;
     tvi_action_set_tables(&w->action, w->options, c->span);
     /* A curve of degree 0 is constant, so that passes correct q and p alternately. The contraction of the first pass

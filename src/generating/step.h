@@ -41,25 +41,31 @@ typedef struct {
     const tvi_options *options;
     tvi_action action;
     tvi_newton newton;
-    tvi_legendre_transform legendre;
-    tvi_series_sum q_start_rise; /* q- - Q_0 */
-    /* q, and tau v (p for a Hamiltonian), of the curve from (q0, p0) at the centre of the step, which predict z. */
-    tvi_series_sum q_at_centre, v_at_centre;
-    tvi_series_sum v_at_end;         /* tau v at the end of a Lagrangian's step */
+    tvi_series_sum q_start_rise;     /* q- - Q_0 */
     tvi_series_sum dense_q, dense_u; /* the increments to one point of dense output */
-    double *z;                       /* [2n] the predicted state at the centre */
-    /* [n] The first guess of a Lagrangian's velocity in the next predictor; it is a part of the history. */
-    double *velocity_guess;
-    double *scratch; /* [n] */
-    /* The step that is being made. */
-    const tvi_step_origin *origin;
-    tvi_stats *stats;
-    double tau;
-    /* The following members belong to steps of adapted size (taylor.c). */
-    double *last_step_size;          /* the size of the last such step, or 0; history */
-    double tolerance, log_tolerance; /* the tolerance of the last such step, and its logarithm */
-    tvi_defect defect;
-    tvi_refinement increment_refinement; /* the memory of refine.c, which refines the increments of a step */
+    double *scratch;                 /* [n] */
+    /* The predictor. Its transform and its guess of the velocity are used for a Lagrangian only. */
+    struct {
+        tvi_legendre_transform legendre;
+        /* q, and tau v (p for a Hamiltonian), of the curve from (q0, p0) at the centre of the step, which predict z. */
+        tvi_series_sum q_at_centre, v_at_centre;
+        tvi_series_sum v_at_end; /* tau v at the end of a Lagrangian's step */
+        double *z;               /* [2n] the predicted state at the centre */
+        double *velocity_guess;  /* [n] the first guess of the velocity in the next predictor; history */
+    } predictor;
+    /* The step that is being made: valid until the function that makes it returns. */
+    struct {
+        const tvi_step_origin *origin;
+        tvi_stats *stats;
+        double tau;
+    } step;
+    /* Steps of adapted size (taylor.c): unused by methods that correct the ends of the curve. */
+    struct {
+        double *last_size;               /* the size of the last such step, or 0; history */
+        double tolerance, log_tolerance; /* the tolerance of the last such step, and its logarithm */
+        tvi_defect defect;
+        tvi_refinement refinement; /* the memory of refine.c, which refines the increments of a step */
+    } adapted;
 } tvi_curve_work;
 
 /* Predicts z at the centre, by the curve that starts at (q0, p0). */

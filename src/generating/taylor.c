@@ -155,9 +155,9 @@ static double estimate_usable_s(const tvi_curve *curve, double log_tolerance)
 
 void tvi_taylor_allocate(tvi_curve_work *w, tvi_arena *arena)
 {
-    w->last_step_size = tvi_arena_allocate_copied(arena, sizeof(double));
-    tvi_defect_allocate(&w->defect, arena, &w->c.curve);
-    tvi_refine_allocate(&w->increment_refinement, arena, &w->c.curve);
+    w->adapted.last_size = tvi_arena_allocate_copied(arena, sizeof(double));
+    tvi_defect_allocate(&w->adapted.defect, arena, &w->c.curve);
+    tvi_refine_allocate(&w->adapted.refinement, arena, &w->c.curve);
 }
 
 /* Expands the curve with a time unit tau that is a power of 2 near the usable step, or near the largest step if that is
@@ -173,14 +173,14 @@ static tvi_status expand_with_suitable_tau(tvi_curve_work *w, double guess, doub
     (void)frexp(guess, &exponent);
     (void)frexp(largest_step, &highest);
     for (int count = 0; count < STEP_SIZE_MAX_EXPANSIONS; count++) {
-        w->tau = copysign(ldexp(1, exponent), largest_step);
+        w->step.tau = copysign(ldexp(1, exponent), largest_step);
         status = tvi_step_predict(w);
-        if (status == TVI_OK) status = tvi_step_expand(w, w->z);
+        if (status == TVI_OK) status = tvi_step_expand(w, w->predictor.z);
         if (status != TVI_OK && status != TVI_ENONFINITE) return status;
         double s = 0; /* the usable step in units of tau; 0 if the coefficients overflow */
-        if (status == TVI_OK) s = estimate_usable_s(&w->c.curve, w->log_tolerance);
-        *usable = fmin(s * fabs(w->tau), least);
-        s = *usable / fabs(w->tau);
+        if (status == TVI_OK) s = estimate_usable_s(&w->c.curve, w->adapted.log_tolerance);
+        *usable = fmin(s * fabs(w->step.tau), least);
+        s = *usable / fabs(w->step.tau);
         const bool is_tau_small = s >= 1 / STEP_SIZE_MAX_TAU_RATIO;
         if (is_tau_small && (s <= STEP_SIZE_MAX_TAU_RATIO || exponent >= highest)) return TVI_OK;
         if (s < 1 / STEP_SIZE_MAX_TAU_RATIO && s > 0) {
@@ -198,17 +198,17 @@ tvi_status tvi_taylor_step_to_tolerance(void *self, double tolerance, double *h,
 {
     tvi_curve_work *w = self;
     tvi_curve *curve = &w->c.curve;
-    const double before = *w->last_step_size;
+    const double before = *w->adapted.last_size;
     double usable;
-    w->origin = origin;
-    w->stats = stats;
-    if (tolerance != w->tolerance) {
-        w->tolerance = tolerance;
-        w->log_tolerance = log(tolerance);
+    w->step.origin = origin;
+    w->step.stats = stats;
+    if (tolerance != w->adapted.tolerance) {
+        w->adapted.tolerance = tolerance;
+        w->adapted.log_tolerance = log(tolerance);
     }
     const tvi_status status = expand_with_suitable_tau(w, before != 0 ? before : *h, *h, &usable);
     if (status != TVI_OK) { /* the curve could not be expanded with this tau */
-        *h = w->tau;
+        *h = w->step.tau;
         return status;
     }
     const double largest = *h;
@@ -219,11 +219,11 @@ tvi_status tvi_taylor_step_to_tolerance(void *self, double tolerance, double *h,
         tvi_step_taylor_increments(w, *h, increments);
     }
     const bool is_chosen = *h != largest;
-    if (is_chosen) *w->last_step_size = fabs(*h);
+    if (is_chosen) *w->adapted.last_size = fabs(*h);
     if (is_chosen && origin->t + *h == origin->t) return TVI_ENOCONV;
     stats->tail = tvi_curve_tail(curve);
     if (tolerance < REFINE_MAX_TOLERANCE && curve->system->form != TVI_LAGRANGIAN)
-        tvi_refine_increments(&w->increment_refinement, curve, *h, origin, increments);
+        tvi_refine_increments(&w->adapted.refinement, curve, *h, origin, increments);
     return TVI_OK;
 }
 
@@ -239,7 +239,7 @@ double tvi_taylor_bound_energy_change(const void *self)
     for (int i = 0; i < curve->n; i++) {
         const double of_q = fabs(curve_Q(curve, q_degree)[i]) + fabs(curve_Q(curve, q_degree - 1)[i]),
                      of_u = fabs(curve_U(curve, p_degree, i)) + fabs(curve_U(curve, p_degree - 1, i));
-        sum += (curve->dq_size[i] * of_u + curve->u_size[i] * of_q) / fabs(curve->kappa[i]);
+        sum += (curve->sizes.dq[i] * of_u + curve->sizes.u[i] * of_q) / fabs(curve->kappa[i]);
     }
     return CURVE_ENERGY_BOUND_FACTOR * sum / fabs(curve->tau);
 }

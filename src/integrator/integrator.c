@@ -47,7 +47,7 @@ static void allocate_state(tvi_integrator *integrator, tvi_arena *arena)
 static void allocate_energy_memory(tvi_integrator *integrator, tvi_arena *arena)
 {
     const tvi_system *system = integrator->system;
-    if (system->energy && (tvi_is_rescaled(integrator) || integrator->options.max_tail >= 0))
+    if (system->energy.tape && (tvi_is_rescaled(integrator) || integrator->options.max_tail >= 0))
         tvi_energy_allocate(&integrator->guard.energy_work, arena, system);
     if (tvi_steps_K(integrator)) tvi_energy_allocate_long_double(&integrator->guard.K_work, arena, integrator->stepped);
     if (system->axes > 0 && integrator->stepper->compute_curve_forces && integrator->options.max_tail >= 0)

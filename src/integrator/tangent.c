@@ -65,7 +65,7 @@ static void free_tangent(tvi_tangent *tangent)
  * column. */
 static tvi_status allocate_tape_blocks(tvi_integrator *it, tvi_tangent *tangent)
 {
-    const jet_tape *flow = it->stepped->field_values, *change = tangent->lifted_system->energy;
+    const jet_tape *flow = it->stepped->field_values, *change = tangent->lifted_system->energy.tape;
     const size_t numbers = (size_t)flow->slot_count + (change ? (size_t)change->slot_count : 0);
     tangent->field_block = malloc(numbers * sizeof *tangent->field_block);
     if (!tangent->field_block) return TVI_ENOMEM;
@@ -225,7 +225,7 @@ static tvi_status compute_K_gradient(const tvi_integrator *it, const double para
 static tvi_status set_column_de(const tvi_integrator *it, const differentiated_step *step)
 {
     const tvi_tangent *tangent = it->tangent;
-    const jet_tape *tape = tangent->lifted_system->energy;
+    const jet_tape *tape = tangent->lifted_system->energy.tape;
     const int n = tangent->n, e = 2 * n - 1;
     tvi_status status = compute_K_gradient(it, step->parameters, step->start->q, step->start->p);
     if (status == TVI_OK) status = set_lifted_parameters(it, step, 0);

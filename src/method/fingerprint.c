@@ -8,11 +8,11 @@ uint64_t tvi_system_fingerprint(const tvi_system *system)
 {
     const int numbers[] = {system->n, (int)system->form, system->input_count, system->uses_time, system->is_driven};
     const jet_tape *const tapes[] = {system->field_series, system->field_values, system->r_dot_Hp_values,
-                                     system->hessian_values};
+                                     system->hessian.values};
     uint64_t sum = jet_continue_hash(JET_HASH_OF_NOTHING, numbers, sizeof numbers);
     for (size_t i = 0; i < COUNT(tapes); i++) sum = jet_tape_continue_hash(sum, tapes[i]);
-    for (int i = 0; i < system->hessian_entry_count; i++) {
-        const int entry[] = {system->hessian[i].row, system->hessian[i].column};
+    for (int i = 0; i < system->hessian.entry_count; i++) {
+        const int entry[] = {system->hessian.entry[i].row, system->hessian.entry[i].column};
         sum = jet_continue_hash(sum, entry, sizeof entry);
     }
     const bool has_masses = system->form == TVI_SEPARABLE;

@@ -47,7 +47,7 @@ tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], co
 void tvi_energy_allocate(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system)
 {
     work->system = system;
-    work->tape_block = tvi_arena_allocate_block(arena, system->energy, 1, 1, 0);
+    work->tape_block = tvi_arena_allocate_block(arena, system->energy.tape, 1, 1, 0);
     if (system->form != TVI_LAGRANGIAN) return;
     tvi_legendre_allocate(&work->legendre, arena, system);
     work->velocity = tvi_arena_allocate_doubles(arena, (size_t)system->n);
@@ -58,12 +58,12 @@ void tvi_energy_allocate(tvi_energy_work *work, tvi_arena *arena, const tvi_syst
 static bool evaluate_energy_tape(const tvi_energy_work *work, double sign, double t, const double q[], const double x[],
                                  double *value)
 {
-    const jet_tape *tape = work->system->energy;
+    const jet_tape *tape = work->system->energy.tape;
     const size_t n = (size_t)work->system->n;
     double *block = work->tape_block;
     memcpy(block, q, n * sizeof *q);
     if (x) memcpy(block + n, x, n * sizeof *x);
-    if (tape->input_count > work->system->energy_input_count) block[work->system->energy_input_count] = t;
+    if (tape->input_count > work->system->energy.input_count) block[work->system->energy.input_count] = t;
     const bool is_inside = jet_sweep_values(tape, block, 1);
     *value = sign * block[tape->output_slot[0]];
     return is_inside;
@@ -76,7 +76,7 @@ static bool compute_explicit_energy(const tvi_energy_work *work, double t, const
 {
     const tvi_system *system = work->system;
     if (system->form != TVI_SEPARABLE) return evaluate_energy_tape(work, 1, t, q, p, H);
-    const bool is_inside = evaluate_energy_tape(work, system->energy_sign, t, q, NULL, H);
+    const bool is_inside = evaluate_energy_tape(work, system->energy.sign, t, q, NULL, H);
     for (int i = 0; i < system->n; i++) *H += p[i] * p[i] / (2 * system->mass[i]);
     return is_inside;
 }
@@ -106,14 +106,14 @@ void tvi_energy_allocate_long_double(tvi_energy_work *work, tvi_arena *arena, co
 {
     tvi_energy_allocate(work, arena, system);
     work->long_double_values =
-        tvi_arena_allocate(arena, (size_t)system->energy->slot_count * sizeof *work->long_double_values);
+        tvi_arena_allocate(arena, (size_t)system->energy.tape->slot_count * sizeof *work->long_double_values);
 }
 
 long double tvi_energy_compute_long_double(tvi_energy_work *work, double t, const double q[], const double p[])
 {
     double H;
     if (!compute_explicit_energy(work, t, q, p, &H)) return NAN;
-    const jet_tape *tape = work->system->energy;
+    const jet_tape *tape = work->system->energy.tape;
     for (int i = 0; i < tape->input_count; i++) work->long_double_values[i] = work->tape_block[i];
     jet_sweep_long_double_values(tape, work->tape_block, work->long_double_values);
     return work->long_double_values[tape->output_slot[0]];
@@ -139,7 +139,7 @@ tvi_status tvi_energy_with_parameters(const tvi_system *system, const double par
     if (!system || !q || !p || !H)
         return tvi_refuse_first_null_pointer(4, (const void *const[]){system, q, p, H},
                                              (const char *const[]){"system", "q", "p", "H"});
-    if (!system->energy) return jet_refuse(TVI_EUNSUPPORTED, "a system made from a force has no energy");
+    if (!system->energy.tape) return jet_refuse(TVI_EUNSUPPORTED, "a system made from a force has no energy");
     if (!isfinite(t) || !tvi_all_finite(system->n, q) || !tvi_all_finite(system->n, p))
         return tvi_refuse_nonfinite_state(system->n, t, q, "p", p);
     double energy = 0;

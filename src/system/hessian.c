@@ -18,11 +18,11 @@
  * and then a gradient of which the new row is taken, and in system->hessian, which has the place of each of them. */
 static bool grow_hessian_arrays(tvi_system *system, jet **jets)
 {
-    const size_t room = (size_t)system->hessian_entry_count + 6 * (size_t)system->n;
+    const size_t room = (size_t)system->hessian.entry_count + 6 * (size_t)system->n;
     jet *more = realloc(*jets, room * sizeof *more);
     if (more) *jets = more;
-    tvi_hessian_entry *hessian = realloc(system->hessian, room * sizeof *hessian);
-    if (hessian) system->hessian = hessian;
+    tvi_hessian_entry *hessian = realloc(system->hessian.entry, room * sizeof *hessian);
+    if (hessian) system->hessian.entry = hessian;
     return more && hessian;
 }
 
@@ -32,30 +32,30 @@ static jet *append_gradient(tvi_system *system, jet x, jet **jets)
 {
     const int rows = 2 * system->n;
     if (!grow_hessian_arrays(system, jets)) return NULL;
-    jet *gradient = *jets + 2 * rows + system->hessian_entry_count;
-    return jet_record_gradient(system->graph, x, rows, gradient) ? gradient : NULL;
+    jet *gradient = *jets + 2 * rows + system->hessian.entry_count;
+    return jet_record_gradient(system->record.graph, x, rows, gradient) ? gradient : NULL;
 }
 
 /* Appends the second derivative x to jets, and its row and column to system->hessian, unless it is 0 everywhere. */
 static void append_hessian_entry(tvi_system *system, jet jets[], int row, int column, jet x)
 {
     if (!x.node && x.number == 0) return;
-    jets[2 * system->n + system->hessian_entry_count] = x;
-    system->hessian[system->hessian_entry_count++] = (tvi_hessian_entry){row, column};
+    jets[2 * system->n + system->hessian.entry_count] = x;
+    system->hessian.entry[system->hessian.entry_count++] = (tvi_hessian_entry){row, column};
 }
 
 tvi_status tvi_hessian_record(tvi_system *system, jet **jets)
 {
     const int rows = 2 * system->n;
-    system->hessian_entry_count = 0;
+    system->hessian.entry_count = 0;
     for (int row = 0; row < rows; row++) {
-        const jet *hessian_row = append_gradient(system, system->field[row], jets);
+        const jet *hessian_row = append_gradient(system, system->record.field[row], jets);
         if (!hessian_row) return TVI_ENOMEM;
-        (*jets)[row] = system->field[row];
+        (*jets)[row] = system->record.field[row];
         for (int column = 0; column <= row; column++)
             append_hessian_entry(system, *jets, row, column, hessian_row[column]);
     }
-    return jet_graph_check_outputs(system->graph, rows + system->hessian_entry_count, *jets);
+    return jet_graph_check_outputs(system->record.graph, rows + system->hessian.entry_count, *jets);
 }
 
 /* Records a row of g f'' + g' f'^T + f' g'^T, which is the row of K'' at f = 0, since the term f g'' vanishes there,
@@ -82,14 +82,14 @@ static tvi_status record_product_hessian(tvi_system *system, const jet factor[2]
     const int rows = 2 * system->n;
     jet *gradient_g = malloc(2 * (size_t)rows * sizeof *gradient_g), *gradient_f = gradient_g + rows;
     if (!gradient_g) return TVI_ENOMEM;
-    const bool derived = jet_record_gradient(system->graph, factor[0], rows, gradient_g) &&
-                         jet_record_gradient(system->graph, factor[1], rows, gradient_f);
+    const bool derived = jet_record_gradient(system->record.graph, factor[0], rows, gradient_g) &&
+                         jet_record_gradient(system->record.graph, factor[1], rows, gradient_f);
     tvi_status status = derived ? TVI_OK : TVI_ENOMEM;
-    system->hessian_entry_count = 0;
+    system->hessian.entry_count = 0;
     for (int row = 0; row < rows && status == TVI_OK; row++)
         status = record_second_derivatives_row(system, row, factor, gradient_g, gradient_f, jets);
     free(gradient_g);
-    return status == TVI_OK ? jet_graph_check_outputs(system->graph, rows + system->hessian_entry_count, *jets)
+    return status == TVI_OK ? jet_graph_check_outputs(system->record.graph, rows + system->hessian.entry_count, *jets)
                             : status;
 }
 
@@ -98,12 +98,12 @@ static tvi_status record_product_hessian(tvi_system *system, const jet factor[2]
 static tvi_status drop_hessian_if_expensive(tvi_system *system, const jet jets[])
 {
     const int rows = 2 * system->n;
-    jet_tape *field = jet_tape_create(system->graph, rows, rows, system->field, JET_TAPE_VALUES);
+    jet_tape *field = jet_tape_create(system->record.graph, rows, rows, system->record.field, JET_TAPE_VALUES);
     jet_tape *with_hessian =
-        jet_tape_create(system->graph, rows, rows + system->hessian_entry_count, jets, JET_TAPE_VALUES);
+        jet_tape_create(system->record.graph, rows, rows + system->hessian.entry_count, jets, JET_TAPE_VALUES);
     const bool created = field && with_hessian;
     if (!created || 4 * with_hessian->used_node_count > HESSIAN_MAX_COST * field->used_node_count)
-        system->hessian_entry_count = 0;
+        system->hessian.entry_count = 0;
     jet_tape_free(field);
     jet_tape_free(with_hessian);
     return created ? TVI_OK : TVI_ENOMEM;
@@ -112,15 +112,15 @@ static tvi_status drop_hessian_if_expensive(tvi_system *system, const jet jets[]
 tvi_status tvi_record_hessian_of_factored_H(tvi_system *system, const jet hamiltonian_factor[2],
                                             jet **field_and_hessian)
 {
-    const int rows = 2 * system->n, nodes = jet_graph_node_count(system->graph);
-    tvi_status status = jet_graph_check_outputs(system->graph, rows, system->field);
+    const int rows = 2 * system->n, nodes = jet_graph_node_count(system->record.graph);
+    tvi_status status = jet_graph_check_outputs(system->record.graph, rows, system->record.field);
     if (status != TVI_OK) return status;
     if (rows <= HESSIAN_WHOLE_MAX_NUMBERS / nodes) {
         status = tvi_hessian_record(system, field_and_hessian);
         if (status == TVI_OK) status = drop_hessian_if_expensive(system, *field_and_hessian);
     }
-    system->hessian_is_complete = system->hessian_entry_count > 0;
-    if (status != TVI_OK || system->hessian_is_complete || nodes > HESSIAN_SHORT_MAX_NODES) return status;
+    system->hessian.is_complete = system->hessian.entry_count > 0;
+    if (status != TVI_OK || system->hessian.is_complete || nodes > HESSIAN_SHORT_MAX_NODES) return status;
     status = record_product_hessian(system, hamiltonian_factor, field_and_hessian);
     return status == TVI_OK ? drop_hessian_if_expensive(system, *field_and_hessian) : status;
 }
@@ -128,8 +128,8 @@ tvi_status tvi_record_hessian_of_factored_H(tvi_system *system, const jet hamilt
 tvi_status tvi_hessian_create_tape(tvi_system *system, const jet jets[])
 {
     const int rows = 2 * system->n;
-    if (system->hessian_entry_count == 0) return TVI_OK;
-    system->hessian_values =
-        jet_tape_create(system->graph, rows, rows + system->hessian_entry_count, jets, JET_TAPE_VALUES);
-    return system->hessian_values ? TVI_OK : TVI_ENOMEM;
+    if (system->hessian.entry_count == 0) return TVI_OK;
+    system->hessian.values =
+        jet_tape_create(system->record.graph, rows, rows + system->hessian.entry_count, jets, JET_TAPE_VALUES);
+    return system->hessian.values ? TVI_OK : TVI_ENOMEM;
 }

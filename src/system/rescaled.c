@@ -24,7 +24,7 @@
 static bool record_outputs(const tvi_system *base, const jet q[], const jet velocities_or_momenta[], jet t, int count,
                            const jet output[], jet value[])
 {
-    const int n = base->n, inputs = jet_graph_input_count(base->graph), time_index = inputs > n + 1 ? 2 * n : n;
+    const int n = base->n, inputs = jet_graph_input_count(base->record.graph), time_index = inputs > n + 1 ? 2 * n : n;
     jet_graph *graph;
     const jet refused = jet_find_common_graph_or_poison(1, q, &graph);
     for (int i = 0; i < count; i++) value[i] = refused;
@@ -34,8 +34,8 @@ static bool record_outputs(const tvi_system *base, const jet q[], const jet velo
     for (int i = 0; i < n; i++) input[i] = q[i];
     for (int i = n; i < time_index && velocities_or_momenta; i++) input[i] = velocities_or_momenta[i - n];
     input[time_index] = t;
-    const bool recorded = jet_record_forward_derivatives(base->graph, graph, input, input + inputs, NULL, count, output,
-                                                         value, input + 2 * inputs);
+    const bool recorded = jet_record_forward_derivatives(base->record.graph, graph, input, input + inputs, NULL, count,
+                                                         output, value, input + 2 * inputs);
     free(input);
     return recorded;
 }
@@ -44,20 +44,20 @@ static bool record_outputs(const tvi_system *base, const jet q[], const jet velo
 static jet record_user_function(const tvi_system *base, const jet q[], const jet velocities_or_momenta[], jet t)
 {
     jet value;
-    return record_outputs(base, q, velocities_or_momenta, t, 1, &base->user_function, &value)
+    return record_outputs(base, q, velocities_or_momenta, t, 1, &base->record.user_function, &value)
                ? value
                : jet_make_poison(JET_NO_MEMORY);
 }
 
 /* Records H. For a separable system H is sum p_i^2 / (2 m_i) + V, and V is the user's function at p = 0 or v = 0, up to
- * its sign (energy_sign). */
+ * its sign (energy.sign). */
 jet tvi_record_user_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
 {
     const tvi_system *base = ctx;
     if (base->form == TVI_HAMILTONIAN) return record_user_function(base, q, p, t);
     jet *terms = malloc(((size_t)base->n + 1) * sizeof *terms);
     if (!terms) return jet_make_poison(JET_NO_MEMORY);
-    terms[0] = jet_mul(base->energy_sign, record_user_function(base, q, NULL, t));
+    terms[0] = jet_mul(base->energy.sign, record_user_function(base, q, NULL, t));
     for (int i = 0; i < base->n; i++) terms[1 + i] = jet_div(jet_sqr(p[i]), 2 * base->mass[i]);
     const jet H = jet_sum(terms, base->n + 1);
     free(terms);
@@ -168,7 +168,8 @@ static bool record_velocities_of_masses(const tvi_system *base, const jet q[], c
                                         jet v[])
 {
     const int n = base->n;
-    const bool recorded = base->form == TVI_SEPARABLE || record_outputs(base, q, NULL, t, 2 * n, base->field, field);
+    const bool recorded =
+        base->form == TVI_SEPARABLE || record_outputs(base, q, NULL, t, 2 * n, base->record.field, field);
     for (int i = 0; i < n && recorded; i++) {
         const jet f = base->form == TVI_SEPARABLE ? jet_const(0) : field[n + i];
         v[i] = jet_div(jet_sub(p[i], f), base->mass[i]);
@@ -184,7 +185,7 @@ static bool record_user_rates(const tvi_system *base, const jet q[], const jet p
     jet *field = malloc(3 * (size_t)n * sizeof *field), *v = field + 2 * n;
     if (!field) return false;
     bool recorded = is_hamiltonian || record_velocities_of_masses(base, q, p, t, field, v);
-    if (recorded) recorded = record_outputs(base, q, is_hamiltonian ? p : v, t, outputs, base->field, field);
+    if (recorded) recorded = record_outputs(base, q, is_hamiltonian ? p : v, t, outputs, base->record.field, field);
     for (int i = 0; i < n && recorded; i++) {
         rate[i] = is_hamiltonian ? field[n + i] : v[i];
         rate[n + i] = is_hamiltonian ? jet_neg(field[i]) : field[i];
@@ -219,7 +220,7 @@ static tvi_status finish_rescaled(tvi_system **out, const tvi_system *system, tv
 {
     stepped->is_regular = false; /* K_ee = 0 */
     stepped->has_automatic_scale = is_automatic;
-    stepped->has_tail_shares_without_momenta = system->has_masses;
+    stepped->tail.has_shares_without_momenta = system->has_masses;
     stepped->axes = system->axes;
     const tvi_status status = tvi_system_copy(out, system);
     if (status == TVI_OK) (*out)->stepped_system = stepped;
@@ -242,10 +243,10 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
     const char *const unsupported =
         system->stepped_system != system ? "the system is rescaled already"
-        : !system->energy   ? "a force has no Hamiltonian: state the potential, or take the reversible form, "
-                              "tvi_system_rescaled_reversible (rescaled(g, reversible=True))"
-        : system->is_driven ? "a driven system has no Hamiltonian flow: take fixed steps, or a tolerance, or the "
-                              "reversible form, tvi_system_rescaled_reversible (rescaled(g, reversible=True))"
+        : !system->energy.tape ? "a force has no Hamiltonian: state the potential, or take the reversible form, "
+                                 "tvi_system_rescaled_reversible (rescaled(g, reversible=True))"
+        : system->is_driven    ? "a driven system has no Hamiltonian flow: take fixed steps, or a tolerance, or the "
+                                 "reversible form, tvi_system_rescaled_reversible (rescaled(g, reversible=True))"
         : system->form == TVI_LAGRANGIAN
             ? "state the Hamiltonian instead of the Lagrangian, or take the reversible form, "
               "tvi_system_rescaled_reversible (rescaled(g, reversible=True))"
@@ -274,12 +275,12 @@ tvi_status tvi_system_rescaled_reversible(tvi_system **out, const tvi_system *sy
     if (!out) return jet_refuse(TVI_EINVAL, "out is NULL");
     *out = NULL;
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
-    const char *const unsupported = system->stepped_system != system ? "the system is rescaled already"
-                                    : system->form == TVI_LAGRANGIAN && !system->has_masses
-                                        ? "state the Hamiltonian instead of the Lagrangian"
-                                    : !g && (!system->energy || system->form == TVI_LAGRANGIAN || system->is_driven)
-                                        ? "the automatic g is for potentials and Hamiltonians: give a g of your own"
-                                        : NULL;
+    const char *const unsupported =
+        system->stepped_system != system                        ? "the system is rescaled already"
+        : system->form == TVI_LAGRANGIAN && !system->has_masses ? "state the Hamiltonian instead of the Lagrangian"
+        : !g && (!system->energy.tape || system->form == TVI_LAGRANGIAN || system->is_driven)
+            ? "the automatic g is for potentials and Hamiltonians: give a g of your own"
+            : NULL;
     if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
     rescaling_request request = {system, g, ctx, -1};
     tvi_system *stepped;

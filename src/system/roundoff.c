@@ -33,7 +33,7 @@ static bool is_multiplication_exact(const jet_tape *tape, const jet_run_of_opera
     int exponent;
     return run->op == OP_LINEAR && run->term_count == 1 &&
            tape->constant_terms[run->first_constant_term_index + operation] == 0 &&
-           fabs(frexp(tape->term_coefficient[run->first_term_index + operation], &exponent)) == 0.5;
+           fabs(frexp(tape->terms.coefficient[run->first_term_index + operation], &exponent)) == 0.5;
 }
 
 /* Returns the magnitude to which the roundoff of an operation of a run is relative: the magnitude of its result, or
@@ -48,9 +48,9 @@ static double compute_roundoff_scale(const jet_tape *tape, const jet_run_of_oper
     for (int term = 0; term < run->term_count; term++) {
         const int k = run->first_term_index + term + (is_linear ? operation * run->term_count : 0),
                   at = is_linear ? 0 : operation;
-        const double a = x[tape->term_slot[k] + at];
-        const double b = is_linear ? 1 : is_products ? x[tape->term_slot_b[k] + at] : a;
-        sum += fabs(tape->term_coefficient[k] * a * b);
+        const double a = x[tape->terms.slot[k] + at];
+        const double b = is_linear ? 1 : is_products ? x[tape->terms.slot_b[k] + at] : a;
+        sum += fabs(tape->terms.coefficient[k] * a * b);
     }
     return sum;
 }

@@ -31,7 +31,7 @@ typedef struct {
     jet user_function;       /* The user's V, L or H. */
     jet *field;              /* [2n] The field, which belongs to the system. */
     jet *r_dot_H_p_gradient; /* [2n] The gradient of r.H_p. */
-    jet *field_and_hessian;  /* [2n + hessian_entry_count] The field, and then the second derivatives. */
+    jet *field_and_hessian;  /* [2n + hessian.entry_count] The field, and then the second derivatives. */
 } system_recording;
 
 /* Returns the name of the user's function, for texts of refusals. */
@@ -47,7 +47,7 @@ static tvi_status begin_recording(system_recording *recording, int n, const syst
 {
     const bool general = statement->lagrangian || statement->hamiltonian || statement->hamiltonian_factors ||
                          statement->rates || statement->makes_lift_momenta_conjugate ||
-                         (statement->copied && jet_graph_input_count(statement->copied->graph) > n + 1);
+                         (statement->copied && jet_graph_input_count(statement->copied->record.graph) > n + 1);
     const size_t count = (size_t)n, padded_count = tvi_padded_vector_count(n);
     tvi_system *system = recording->system = calloc(1, sizeof *system);
     if (!system) return TVI_ENOMEM;
@@ -55,24 +55,24 @@ static tvi_status begin_recording(system_recording *recording, int n, const syst
     system->has_masses = !general;
     system->stepped_system = system;
     system->mass = malloc(count * sizeof *system->mass);
-    system->graph = jet_graph_create(general ? 3 * n + 1 : n + 1);
+    system->record.graph = jet_graph_create(general ? 3 * n + 1 : n + 1);
     recording->q = malloc((2 * padded_count + count) * sizeof *recording->q);
-    recording->field = system->field = malloc((count + padded_count) * sizeof *recording->field);
+    recording->field = system->record.field = malloc((count + padded_count) * sizeof *recording->field);
     recording->r_dot_H_p_gradient = malloc(2 * count * sizeof *recording->r_dot_H_p_gradient);
-    if (!system->mass || !system->graph || !recording->q || !recording->field || !recording->r_dot_H_p_gradient)
+    if (!system->mass || !system->record.graph || !recording->q || !recording->field || !recording->r_dot_H_p_gradient)
         return TVI_ENOMEM;
-    jet_graph_set_output_name(system->graph, user_function_name(statement));
+    jet_graph_set_output_name(system->record.graph, user_function_name(statement));
     recording->v = recording->q + padded_count;
     recording->r = recording->v + padded_count;
     tvi_set_poison_beyond_end(n, recording->q, JET_BEYOND_Q);
     tvi_set_poison_beyond_end(n, recording->v, statement->lagrangian ? JET_BEYOND_V : JET_BEYOND_P);
     for (size_t i = 0; i < padded_count; i++) recording->field[i] = jet_make_unset_poison();
     const int input_count = general ? 2 * n : n;
-    recording->t = jet_graph_input(system->graph, input_count);
+    recording->t = jet_graph_input(system->record.graph, input_count);
     for (int i = 0; i < n; i++) {
-        recording->q[i] = jet_graph_input(system->graph, i);
-        if (general) recording->v[i] = jet_graph_input(system->graph, n + i);
-        if (general) recording->r[i] = jet_graph_input(system->graph, input_count + 1 + i);
+        recording->q[i] = jet_graph_input(system->record.graph, i);
+        if (general) recording->v[i] = jet_graph_input(system->record.graph, n + i);
+        if (general) recording->r[i] = jet_graph_input(system->record.graph, input_count + 1 + i);
         system->mass[i] = statement->mass ? statement->mass[i] : 1;
     }
     return TVI_OK;
@@ -84,12 +84,12 @@ static tvi_status begin_recording(system_recording *recording, int n, const syst
 static tvi_status record_full_gradient(const system_recording *recording, jet *x, jet gradient[])
 {
     tvi_system *system = recording->system;
-    tvi_status status = jet_graph_check_outputs(system->graph, 1, x);
+    tvi_status status = jet_graph_check_outputs(system->record.graph, 1, x);
     if (status != TVI_OK) return status;
-    if (!jet_record_gradient(system->graph, *x, 2 * system->n, gradient)) return TVI_ENOMEM;
+    if (!jet_record_gradient(system->record.graph, *x, 2 * system->n, gradient)) return TVI_ENOMEM;
     for (int i = 0; i < 2 * system->n && status == TVI_OK; i++) {
         jet component = gradient[i]; /* A component that is a number stays a number, and needs no node of the graph. */
-        status = jet_graph_check_outputs(system->graph, 1, &component);
+        status = jet_graph_check_outputs(system->record.graph, 1, &component);
     }
     return status;
 }
@@ -98,7 +98,7 @@ static tvi_status record_full_gradient(const system_recording *recording, jet *x
 static tvi_status record_force(system_recording *recording)
 {
     tvi_system *system = recording->system;
-    return jet_record_gradient(system->graph, jet_neg(recording->user_function), system->n, recording->field)
+    return jet_record_gradient(system->record.graph, jet_neg(recording->user_function), system->n, recording->field)
                ? TVI_OK
                : TVI_ENOMEM;
 }
@@ -107,7 +107,7 @@ static tvi_status record_potential(system_recording *recording, const system_sta
 {
     tvi_system *system = recording->system;
     recording->user_function = statement->potential(recording->q, recording->t, statement->ctx);
-    const tvi_status status = jet_graph_check_outputs(system->graph, 1, &recording->user_function);
+    const tvi_status status = jet_graph_check_outputs(system->record.graph, 1, &recording->user_function);
     return status == TVI_OK ? record_force(recording) : status;
 }
 
@@ -121,9 +121,9 @@ static tvi_status add_driving_force(system_recording *recording, const system_st
     tvi_status status = padded_v && force ? TVI_OK : TVI_ENOMEM;
     if (status == TVI_OK) {
         statement->drive(recording->q, padded_v, recording->t, force, statement->drive_ctx);
-        jet_graph_set_output_name(system->graph, "driving force");
-        status = jet_graph_check_outputs(system->graph, n, force);
-        jet_graph_set_output_name(system->graph, user_function_name(statement));
+        jet_graph_set_output_name(system->record.graph, "driving force");
+        status = jet_graph_check_outputs(system->record.graph, n, force);
+        jet_graph_set_output_name(system->record.graph, user_function_name(statement));
     }
     if (status == TVI_OK) status = tvi_refuse_force_beyond_end(n, force);
     for (int i = 0; i < n && status == TVI_OK; i++)
@@ -154,7 +154,7 @@ static tvi_status record_lagrangian(system_recording *recording, const system_st
     bool separable = false;
     if (status == TVI_OK) status = find_masses(recording, statement, &separable);
     if (status == TVI_OK && statement->drive) status = add_driving_force(recording, statement, recording->v, 1);
-    system->energy_sign = -1;
+    system->energy.sign = -1;
     if (separable || status != TVI_OK) return status;
     system->form = TVI_LAGRANGIAN;
     return tvi_hessian_record(system, &recording->field_and_hessian);
@@ -167,7 +167,8 @@ static tvi_status record_r_dot_H_p_gradient(system_recording *recording)
     const int n = system->n;
     jet along = jet_dot(recording->r, recording->field + n, n);
     const tvi_status status = record_full_gradient(recording, &along, recording->r_dot_H_p_gradient);
-    return status == TVI_OK ? jet_graph_check_outputs(system->graph, 2 * n, recording->r_dot_H_p_gradient) : status;
+    return status == TVI_OK ? jet_graph_check_outputs(system->record.graph, 2 * n, recording->r_dot_H_p_gradient)
+                            : status;
 }
 
 static tvi_status record_factored_hamiltonian(system_recording *recording, const system_statement *statement)
@@ -223,24 +224,24 @@ static tvi_status record_copy(system_recording *recording, const system_statemen
 {
     const tvi_system *base = statement->copied;
     tvi_system *system = recording->system;
-    const int inputs = jet_graph_input_count(base->graph), outputs = tvi_system_output_count(base);
+    const int inputs = jet_graph_input_count(base->record.graph), outputs = tvi_system_output_count(base);
     jet *input = calloc(2 * (size_t)inputs + (size_t)outputs, sizeof *input);
     if (!input) return TVI_ENOMEM;
     jet *no_direction = input + inputs, *no_rate = no_direction + inputs, rate;
-    for (int i = 0; i < inputs; i++) input[i] = jet_graph_input(system->graph, i);
-    bool recorded = jet_record_forward_derivatives(base->graph, system->graph, input, no_direction, NULL, outputs,
-                                                   base->field, recording->field, no_rate);
-    if (recorded && base->energy)
-        recorded = jet_record_forward_derivatives(base->graph, system->graph, input, no_direction, NULL, 1,
-                                                  &base->user_function, &recording->user_function, &rate);
+    for (int i = 0; i < inputs; i++) input[i] = jet_graph_input(system->record.graph, i);
+    bool recorded = jet_record_forward_derivatives(base->record.graph, system->record.graph, input, no_direction, NULL,
+                                                   outputs, base->record.field, recording->field, no_rate);
+    if (recorded && base->energy.tape)
+        recorded = jet_record_forward_derivatives(base->record.graph, system->record.graph, input, no_direction, NULL,
+                                                  1, &base->record.user_function, &recording->user_function, &rate);
     free(input);
     if (!recorded) return TVI_ENOMEM;
     system->form = base->form;
     system->is_driven = base->is_driven;
     system->has_masses = base->has_masses;
-    system->energy_sign = base->energy_sign;
+    system->energy.sign = base->energy.sign;
     for (int i = 0; i < system->n; i++) system->mass[i] = base->mass[i];
-    if (base->energy && jet_graph_check_outputs(system->graph, 1, &recording->user_function) != TVI_OK)
+    if (base->energy.tape && jet_graph_check_outputs(system->record.graph, 1, &recording->user_function) != TVI_OK)
         return TVI_ENOMEM;
     return system->form == TVI_LAGRANGIAN    ? tvi_hessian_record(system, &recording->field_and_hessian)
            : system->form == TVI_HAMILTONIAN ? record_r_dot_H_p_gradient(recording)
@@ -253,7 +254,7 @@ static tvi_status record_copy(system_recording *recording, const system_statemen
  * input[i], and the jet for the input's component of the tangent vector, direction[i]. */
 static void set_lift_inputs(const system_recording *recording, const tvi_system *base, jet input[], jet direction[])
 {
-    const int n = base->n, inputs = jet_graph_input_count(base->graph), time = inputs == n + 1 ? n : 2 * n;
+    const int n = base->n, inputs = jet_graph_input_count(base->record.graph), time = inputs == n + 1 ? n : 2 * n;
     const bool momenta = recording->system->form != TVI_SEPARABLE && recording->system->form != TVI_LAGRANGIAN;
     for (int i = 0; i < inputs; i++) input[i] = direction[i] = jet_make_unset_poison();
     for (int i = 0; i < n; i++) {
@@ -291,35 +292,36 @@ static void set_lift_field(system_recording *recording, const tvi_system *base, 
 static void record_lift_parameter_directions(const system_recording *recording, int parameter_count, jet direction[])
 {
     for (int i = 0; i < parameter_count; i++)
-        direction[i] = jet_graph_record_parameter(recording->system->graph, parameter_count + i, 0);
+        direction[i] = jet_graph_record_parameter(recording->system->record.graph, parameter_count + i, 0);
 }
 
 static tvi_status record_field_of_tangent_lift(system_recording *recording, const system_statement *statement)
 {
     const tvi_system *base = statement->base;
     tvi_system *system = recording->system;
-    const int parameters = jet_graph_parameter_count(base->graph);
+    jet_graph *graph = system->record.graph;
+    const int parameters = jet_graph_parameter_count(base->record.graph);
     system->is_regular = base->is_regular;
     system->has_masses = !statement->makes_lift_momenta_conjugate;
     if (!system->has_masses) system->form = base->form == TVI_SEPARABLE ? TVI_HAMILTONIAN : base->form;
     for (int i = 0; i < system->n; i++) system->mass[i] = base->mass[i % base->n];
-    const size_t inputs = (size_t)jet_graph_input_count(base->graph), outputs = (size_t)base->input_count;
+    const size_t inputs = (size_t)jet_graph_input_count(base->record.graph), outputs = (size_t)base->input_count;
     jet *jets = malloc((2 * (inputs + outputs) + (size_t)parameters) * sizeof *jets);
     if (!jets) return TVI_ENOMEM;
     jet *input = jets, *direction = input + inputs, *value = direction + inputs, *rate = value + outputs;
     jet *parameter_direction = rate + outputs;
     set_lift_inputs(recording, base, input, direction);
     record_lift_parameter_directions(recording, parameters, parameter_direction);
-    bool lifted = jet_record_forward_derivatives(base->graph, system->graph, input, direction, parameter_direction,
-                                                 base->input_count, base->field, value, rate);
+    bool lifted = jet_record_forward_derivatives(base->record.graph, graph, input, direction, parameter_direction,
+                                                 base->input_count, base->record.field, value, rate);
     if (lifted) set_lift_field(recording, base, value, rate);
     /* The Hamiltonian of the lift is the derivative of the base's H along the tangent vector. */
     if (lifted && base->form == TVI_HAMILTONIAN)
-        lifted = jet_record_forward_derivatives(base->graph, system->graph, input, direction, parameter_direction, 1,
-                                                &base->user_function, value, &recording->user_function);
+        lifted = jet_record_forward_derivatives(base->record.graph, graph, input, direction, parameter_direction, 1,
+                                                &base->record.user_function, value, &recording->user_function);
     free(jets);
     if (!lifted) return TVI_ENOMEM;
-    if (base->form == TVI_HAMILTONIAN && jet_graph_check_outputs(system->graph, 1, &recording->user_function) != TVI_OK)
+    if (base->form == TVI_HAMILTONIAN && jet_graph_check_outputs(graph, 1, &recording->user_function) != TVI_OK)
         return TVI_ENOMEM;
     return system->form == TVI_HAMILTONIAN  ? record_r_dot_H_p_gradient(recording)
            : system->form == TVI_LAGRANGIAN ? tvi_hessian_record(system, &recording->field_and_hessian)
@@ -328,7 +330,7 @@ static tvi_status record_field_of_tangent_lift(system_recording *recording, cons
 
 static tvi_status record_statement(system_recording *recording, const system_statement *statement)
 {
-    recording->system->energy_sign = 1;
+    recording->system->energy.sign = 1;
     if (statement->base) return record_field_of_tangent_lift(recording, statement);
     if (statement->lagrangian) return record_lagrangian(recording, statement);
     if (statement->hamiltonian_factors) return record_factored_hamiltonian(recording, statement);
@@ -344,35 +346,35 @@ static tvi_status create_tapes(system_recording *recording, const system_stateme
 {
     tvi_system *system = recording->system;
     const int n = system->n, outputs = system->form == TVI_SEPARABLE ? n : 2 * n;
-    const tvi_status status = jet_graph_check_outputs(system->graph, outputs, recording->field);
+    const tvi_status status = jet_graph_check_outputs(system->record.graph, outputs, recording->field);
     if (status != TVI_OK) return status;
-    const int axes = statement->copied ? statement->copied->axes : jet_graph_axes(system->graph);
+    const int axes = statement->copied ? statement->copied->axes : jet_graph_axes(system->record.graph);
     if (axes > 0 && n % axes == 0) system->axes = axes;
-    jet_graph_end_recording(system->graph);
+    jet_graph_end_recording(system->record.graph);
     system->input_count = outputs;
-    system->field_series = jet_tape_create(system->graph, outputs, outputs, recording->field, JET_TAPE_SERIES);
-    system->field_values = jet_tape_create(system->graph, outputs, outputs, recording->field, JET_TAPE_VALUES);
+    system->field_series = jet_tape_create(system->record.graph, outputs, outputs, recording->field, JET_TAPE_SERIES);
+    system->field_values = jet_tape_create(system->record.graph, outputs, outputs, recording->field, JET_TAPE_VALUES);
     if (!system->field_series || !system->field_values) return TVI_ENOMEM;
     const bool has_time_coordinate = statement->hamiltonian_factors || statement->rates;
     if (tvi_system_find_subsystems(system, has_time_coordinate) != TVI_OK) return TVI_ENOMEM;
-    system->has_tail_shares_without_momenta = system->has_masses;
+    system->tail.has_shares_without_momenta = system->has_masses;
     system->uses_time = system->field_series->input_count > outputs;
     if (system->form == TVI_HAMILTONIAN) {
         system->r_dot_Hp_values =
-            jet_tape_create(system->graph, 3 * n + 1, 2 * n, recording->r_dot_H_p_gradient, JET_TAPE_VALUES);
+            jet_tape_create(system->record.graph, 3 * n + 1, 2 * n, recording->r_dot_H_p_gradient, JET_TAPE_VALUES);
         if (!system->r_dot_Hp_values) return TVI_ENOMEM;
     }
     if (tvi_hessian_create_tape(system, recording->field_and_hessian) != TVI_OK) return TVI_ENOMEM;
     if (statement->force || statement->rates || (statement->base && statement->base->form != TVI_HAMILTONIAN) ||
-        (statement->copied && !statement->copied->energy))
+        (statement->copied && !statement->copied->energy.tape))
         return TVI_OK;
-    system->energy_input_count = statement->potential ? n
-                                 : statement->copied  ? statement->copied->energy_input_count
+    system->energy.input_count = statement->potential ? n
+                                 : statement->copied  ? statement->copied->energy.input_count
                                                       : 2 * n;
-    system->user_function = recording->user_function;
-    system->energy =
-        jet_tape_create(system->graph, system->energy_input_count, 1, &recording->user_function, JET_TAPE_VALUES);
-    return system->energy ? TVI_OK : TVI_ENOMEM;
+    system->record.user_function = recording->user_function;
+    system->energy.tape = jet_tape_create(system->record.graph, system->energy.input_count, 1,
+                                          &recording->user_function, JET_TAPE_VALUES);
+    return system->energy.tape ? TVI_OK : TVI_ENOMEM;
 }
 
 /* Records a valid statement, and creates its tapes. */
@@ -453,7 +455,7 @@ tvi_status tvi_system_driven(tvi_system **out, const tvi_system *system, tvi_dri
     if (!out) return jet_refuse(TVI_EINVAL, "out is NULL");
     *out = NULL;
     if (!system || !drive) return jet_refuse(TVI_EINVAL, "%s is NULL", system ? "drive" : "system");
-    const char *const unsupported = !system->energy                    ? "a force has no energy: state the potential"
+    const char *const unsupported = !system->energy.tape               ? "a force has no energy: state the potential"
                                     : system->stepped_system != system ? "the system is rescaled"
                                     : system->is_driven ? "the system is driven already: add the forces in one"
                                                         : NULL;

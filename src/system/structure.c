@@ -45,14 +45,14 @@ tvi_status tvi_system_find_masses(tvi_system *system, const jet velocity_gradien
                                   bool *is_separable)
 {
     const int n = system->n;
-    double *node_factors = malloc((size_t)jet_graph_node_count(system->graph) * sizeof *node_factors);
+    double *node_factors = malloc((size_t)jet_graph_node_count(system->record.graph) * sizeof *node_factors);
     if (!node_factors) return TVI_ENOMEM;
-    mark_nodes_dependent_on_inputs(system->graph, n, n);
+    mark_nodes_dependent_on_inputs(system->record.graph, n, n);
     bool is_coupled = false;
     system->has_masses = true;
     for (int i = 0; i < n && system->has_masses; i++) {
-        system->has_masses = is_velocity_multiple_plus_rest(system->graph, velocity_gradient[i], n + i, node_factors,
-                                                            &system->mass[i], &is_coupled);
+        system->has_masses = is_velocity_multiple_plus_rest(system->record.graph, velocity_gradient[i], n + i,
+                                                            node_factors, &system->mass[i], &is_coupled);
         is_coupled |= coordinate_gradient[i].node && coordinate_gradient[i].node->scratch;
     }
     *is_separable = system->has_masses && !is_coupled;

@@ -73,7 +73,7 @@ tvi_status tvi_system_find_subsystems(tvi_system *system, bool has_time_coordina
     const jet_tape *tape = system->field_values;
     const size_t n = (size_t)system->n, slots = (size_t)tape->slot_count;
     const bool has_lists =
-        allocate_subsystem_lists(&system->subsystems, n) && allocate_subsystem_lists(&system->tail_subsystems, n);
+        allocate_subsystem_lists(&system->subsystems, n) && allocate_subsystem_lists(&system->tail.subsystems, n);
     int *set_parent = calloc(slots, sizeof *set_parent);
     bool *depends_on_state = calloc(slots, sizeof *depends_on_state);
     int *counts = calloc(n, sizeof *counts);
@@ -85,7 +85,7 @@ tvi_status tvi_system_find_subsystems(tvi_system *system, bool has_time_coordina
         unite_results_with_operands(tape, depends_on_state, set_parent);
         unite_components_with_outputs(system, depends_on_state, set_parent);
         list_components_of_sets(&system->subsystems, system->n, set_parent, -1, counts);
-        list_components_of_sets(&system->tail_subsystems, system->n, set_parent,
+        list_components_of_sets(&system->tail.subsystems, system->n, set_parent,
                                 has_time_coordinate ? system->n - 1 : -1, counts);
     }
     free(set_parent);

@@ -11,24 +11,24 @@ void tvi_system_free(tvi_system *system)
     jet_tape_free(system->field_series);
     jet_tape_free(system->field_values);
     jet_tape_free(system->r_dot_Hp_values);
-    jet_tape_free(system->hessian_values);
-    free(system->hessian);
-    jet_tape_free(system->energy);
-    jet_graph_free(system->graph);
-    free(system->field);
+    jet_tape_free(system->hessian.values);
+    free(system->hessian.entry);
+    jet_tape_free(system->energy.tape);
+    jet_graph_free(system->record.graph);
+    free(system->record.field);
     free(system->mass);
     free(system->subsystems.component_list);
     free(system->subsystems.end_in_component_list);
-    free(system->tail_subsystems.component_list);
-    free(system->tail_subsystems.end_in_component_list);
+    free(system->tail.subsystems.component_list);
+    free(system->tail.subsystems.end_in_component_list);
     free(system);
 }
 
 int tvi_system_parameters(const tvi_system *system)
 {
     if (!system) return 0;
-    const int own = jet_graph_parameter_count(system->graph),
-              of_steps = jet_graph_parameter_count(system->stepped_system->graph);
+    const int own = jet_graph_parameter_count(system->record.graph),
+              of_steps = jet_graph_parameter_count(system->stepped_system->record.graph);
     return own > of_steps ? own : of_steps;
 }
 
@@ -49,8 +49,8 @@ static void read_parameters(const jet_graph *graph, double value[])
 
 void tvi_system_recorded_parameters(const tvi_system *system, double value[])
 {
-    read_parameters(system->graph, value);
-    read_parameters(system->stepped_system->graph, value);
+    read_parameters(system->record.graph, value);
+    read_parameters(system->stepped_system->record.graph, value);
 }
 
 int tvi_system_dimension(const tvi_system *system) { return system ? system->n : 0; }

@@ -39,45 +39,52 @@ struct tvi_system {
     /* The momenta are p = M v + f(q, t), with a diagonal and constant M, as in a rotating frame or in a driven
      * system. */
     bool has_masses;
-    /* A component's share of the motion, by which the tail of a step weighs it (algebra/tail.h), is computed from the
-     * change of its coordinate alone, without its momentum. */
-    bool has_tail_shares_without_momenta;
     tvi_subsystems subsystems; /* The parts of the system that do not interact. */
-    /* The subsystems whose components the tail of a step compares (algebra/tail.h): those of `subsystems`, except that
-     * the time of a rescaled system is a subsystem of its own. */
-    tvi_subsystems tail_subsystems;
+    /* What the tail of a step (algebra/tail.h) needs to know; valid in every system. */
+    struct {
+        /* The subsystems whose components the tail compares: those of the system, except that the time of a rescaled
+         * system is a subsystem of its own. */
+        tvi_subsystems subsystems;
+        /* A component's share of the motion, by which the tail weighs it, is computed from the change of its coordinate
+         * alone, without its momentum. */
+        bool has_shares_without_momenta;
+    } tail;
     /* True if the matrix L_vv of the Lagrangian, or H_pp of the Hamiltonian, was found to be regular at some state. */
     bool is_regular;
     int axes; /* The coordinates are places of bodies that attract each other, of so many axes each; 0: they are not. */
     bool has_automatic_scale; /* The time scale in K is the automatic one (automatic.c). */
-    /* The finished recording. It is kept to recognise its jets, and to record the tangent system (ad/lift.c). */
-    jet_graph *graph;
-    /* [inputs] The outputs of the field in the graph. */
-    jet *field;
+    /* The recording, finished once the system is created. It is kept to recognise its jets, and to record the tangent
+     * system (ad/lift.c). */
+    struct {
+        jet_graph *graph;
+        jet *field;        /* [inputs] The outputs of the field in the graph. */
+        jet user_function; /* The user's V, L or H; unset for a force, and for a lift unless it is a Hamiltonian. */
+    } record;
     jet_tape *field_series; /* Computes the Taylor series of the field. */
     jet_tape *field_values; /* Computes the values of the field. */
     /* Computes the gradient of r.H_p by q and p, for a vector r. The node rule TVI_NODES_TRUNCATED of a Hamiltonian
      * needs it. The inputs are q, p, t, r. */
     jet_tape *r_dot_Hp_values;
-    /* Computes the field and then second derivatives, those that are not 0 everywhere, one of each symmetric pair.
-     * Lagrangian: those of L by q and v. Hamiltonian K = g f of a rescaled system, whose solutions have f = 0: those of
-     * K by q and p, or, if these are too expensive, the same without the term f g''; NULL if those are, too. NULL for
-     * all other systems. */
-    jet_tape *hessian_values;
-    tvi_hessian_entry *hessian; /* [hessian_entry_count] Rows and columns of the second derivatives. */
-    int hessian_entry_count;
-    bool hessian_is_complete; /* hessian_values contains the complete K'' of a rescaled Hamiltonian. */
-    /* Computes V of a separable system, L of a Lagrangian, or H of a Hamiltonian; NULL for a force. */
-    jet_tape *energy;
-    /* The user's V, L or H as a jet of `graph`; unset for a force, and for a lift unless it is a Hamiltonian. */
-    jet user_function;
-    /* -1 if a Lagrangian became separable, since the energy tape then gives -V; otherwise 1. */
-    double energy_sign;
+    /* Second derivatives, those that are not 0 everywhere, one of each symmetric pair. Lagrangian: those of L by q and
+     * v. Hamiltonian K = g f of a rescaled system, whose solutions have f = 0: those of K by q and p, or, if these are
+     * too expensive, the same without the term f g''; none if those are, too. None for all other systems: `values` is
+     * NULL, and entry_count is 0. */
+    struct {
+        jet_tape *values;         /* Computes the field and then the second derivatives. */
+        tvi_hessian_entry *entry; /* [entry_count] Rows and columns of the second derivatives. */
+        int entry_count;
+        bool is_complete; /* `values` contains the complete K'' of a rescaled Hamiltonian. */
+    } hessian;
+    /* The energy: `tape` is NULL for a force, and the other members are then unused. */
+    struct {
+        jet_tape *tape; /* Computes V of a separable system, L of a Lagrangian, or H of a Hamiltonian. */
+        double sign;    /* -1 if a Lagrangian became separable, since the tape then gives -V; otherwise 1. */
+        /* The number of inputs of the tape without t: n, or 2n. In a separable system with 2n inputs, V is the energy
+         * at v = 0 or p = 0, up to its sign. */
+        int input_count;
+    } energy;
     /* Generated code for the tapes. NULL: the interpreter runs the tapes. */
     const struct tvi_generated_code *code;
-    /* The number of inputs of the energy tape without t: n, or 2n. In a separable system with 2n inputs, V is the
-     * energy at v = 0 or p = 0, up to its sign. */
-    int energy_input_count;
 };
 
 /* Creates a system with the Hamiltonian g f for solutions with f = 0. The function `factors` records factor = {g, f}.
@@ -118,7 +125,7 @@ jet tvi_record_user_lagrangian(const jet q[], const jet v[], jet t, void *ctx);
 jet tvi_record_automatic_time_scale(const tvi_system *base, jet H);
 
 /* Records the second derivatives of the system's L or H, which are the derivatives of its field, in its open graph.
- * *jets [2n + hessian_entry_count] becomes the field, followed by the second derivatives. The caller frees *jets,
+ * *jets [2n + hessian.entry_count] becomes the field, followed by the second derivatives. The caller frees *jets,
  * whatever the status. */
 TVI_NODISCARD tvi_status tvi_hessian_record(tvi_system *system, jet **jets);
 
@@ -146,8 +153,8 @@ TVI_NODISCARD tvi_status tvi_system_find_masses(tvi_system *system, const jet ve
 TVI_NODISCARD tvi_status tvi_system_find_used_inputs(const jet_graph *graph, int input_count, int value_count,
                                                      const jet value[], bool used[]);
 
-/* Finds the subsystems of the field, and sets system->subsystems and tail_subsystems. If the last coordinate is the
- * time, as in a rescaled system, the time becomes a subsystem of its own in tail_subsystems. The tail weighs each
+/* Finds the subsystems of the field, and sets system->subsystems and tail.subsystems. If the last coordinate is the
+ * time, as in a rescaled system, the time becomes a subsystem of its own in tail.subsystems. The tail weighs each
  * component by its share of the motion in its subsystem (algebra/tail.h); alone in its subsystem, the time has the full
  * weight. Returns TVI_ENOMEM if memory is lacking. */
 TVI_NODISCARD tvi_status tvi_system_find_subsystems(tvi_system *system, bool has_time_coordinate);

@@ -141,7 +141,7 @@ static double size_of(const jet_tape *tape, int slot, int lanes, const double *l
              run->op == OP_LINEAR && slot >= run->z && slot < run->z + run->operation_count && k < run->term_count;
              k++) {
             const int term = run->first_term_index + (slot - run->z) * run->term_count + k;
-            size += fabs(tape->term_coefficient[term] * lane[tape->term_slot[term] * lanes]);
+            size += fabs(tape->terms.coefficient[term] * lane[tape->terms.slot[term] * lanes]);
         }
     return size;
 }

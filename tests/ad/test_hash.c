@@ -35,14 +35,14 @@ START_TEST(arrays_are_hashed)
 {
     recording r = record_all_kinds();
     jet_tape *tape = r.tape;
-    ck_assert(tape->constant_count > 0 && tape->linear_operation_count > 0 && tape->term_count > 0 &&
+    ck_assert(tape->constant_count > 0 && tape->linear_operation_count > 0 && tape->terms.count > 0 &&
               tape->output_count == 4);
     for (int i = 0; i < tape->constant_count; i++) EXPECT_SEEN(tape, tape->constant_values[i]);
     for (int i = 0; i < tape->linear_operation_count; i++) EXPECT_SEEN(tape, tape->constant_terms[i]);
-    for (int i = 0; i < tape->term_count; i++) {
-        EXPECT_SEEN(tape, tape->term_slot[i]);
-        EXPECT_SEEN(tape, tape->term_slot_b[i]);
-        EXPECT_SEEN(tape, tape->term_coefficient[i]);
+    for (int i = 0; i < tape->terms.count; i++) {
+        EXPECT_SEEN(tape, tape->terms.slot[i]);
+        EXPECT_SEEN(tape, tape->terms.slot_b[i]);
+        EXPECT_SEEN(tape, tape->terms.coefficient[i]);
     }
     for (int i = 0; i < tape->output_count; i++) EXPECT_SEEN(tape, tape->output_slot[i]);
     EXPECT_SEEN(tape, tape->input_count);

@@ -38,17 +38,17 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
             ck_assert_int_ge(run->term_count, 1);
             ck_assert_int_le(run->term_count, JET_TERMS_MAX);
             for (int i = 0; i < run->term_count; i++, term++) {
-                ck_assert_int_le(tape->term_slot[term] + run->operation_count, run->z);
-                ck_assert_int_le(tape->term_slot_b[term] + run->operation_count, run->z);
+                ck_assert_int_le(tape->terms.slot[term] + run->operation_count, run->z);
+                ck_assert_int_le(tape->terms.slot_b[term] + run->operation_count, run->z);
             }
             continue;
         }
         ck_assert_int_eq(run->first_constant_term_index, row);
         row += run->operation_count;
         for (int i = 0; i < run->operation_count * run->term_count; i++, term++)
-            ck_assert_int_lt(tape->term_slot[term], run->z);
+            ck_assert_int_lt(tape->terms.slot[term], run->z);
     }
-    ck_assert_int_eq(term, tape->term_count);
+    ck_assert_int_eq(term, tape->terms.count);
     ck_assert_int_eq(tape->slot_count, slot);
     ck_assert_int_eq(row, tape->linear_operation_count);
 }

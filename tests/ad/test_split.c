@@ -93,7 +93,7 @@ static int longest_way(const jet_tape *tape)
             made[run->z + i] = count;
             for (int term = run->first_term_index;
                  term < run->first_term_index + run->term_count && run->op != OP_LINEAR; term++) {
-                const int first = made[tape->term_slot[term] + i], second = made[tape->term_slot_b[term] + i];
+                const int first = made[tape->terms.slot[term] + i], second = made[tape->terms.slot_b[term] + i];
                 longest = count - first > longest ? count - first : longest;
                 longest = count - second > longest ? count - second : longest;
             }

@@ -32,8 +32,8 @@ static jet by_hand(const jet q[], jet t, void *ctx)
 static void expect_same_tapes(const tvi_system *one, const tvi_system *other)
 {
     ck_assert(tvi_system_fingerprint(one) == tvi_system_fingerprint(other));
-    ck_assert(jet_tape_continue_hash(JET_HASH_OF_NOTHING, one->energy) ==
-              jet_tape_continue_hash(JET_HASH_OF_NOTHING, other->energy));
+    ck_assert(jet_tape_continue_hash(JET_HASH_OF_NOTHING, one->energy.tape) ==
+              jet_tape_continue_hash(JET_HASH_OF_NOTHING, other->energy.tape));
 }
 
 /* In 1, 2 and 3 axes. */

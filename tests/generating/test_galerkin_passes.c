@@ -91,7 +91,7 @@ static sample momentum_left_by_passes(tvi_options options, double h, int steps)
     tvi_integrator *it = integrator_of(system, &options);
     options.tolerance = 0, options.passes = TO_THE_LAST_BIT;
     tvi_integrator *exact = integrator_of(system, &options);
-    const tvi_increments *by = &it->last_step.increments, *its = &exact->increments;
+    const tvi_increments *by = &it->last_step.increments, *its = &exact->last_step.increments;
     test_state x = model_start(&model_kepler);
     sample left = {0};
     go(it, h, 2, &x);

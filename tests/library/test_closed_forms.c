@@ -187,7 +187,7 @@ static void release(expansion *e)
 static double derivative(const expansion *e, int k, int i, int j)
 {
     const int n = e->curve.n;
-    return e->curve.dQ_dz[(k * n + i) * 2 * n + j];
+    return e->curve.jacobians.dQ_dz[(k * n + i) * 2 * n + j];
 }
 
 /* dq^(4)/dv = 2 dq^(3)/dq and dq^(3)/dv = dq^(2)/dq for q'' = f(q, t); in scaled coefficients

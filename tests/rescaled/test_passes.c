@@ -65,10 +65,10 @@ START_TEST(passes_are_saved)
     const problem *a = &problems[_i];
     const state start = a->potential == kepler ? kepler_start(a->e) : driven_start();
     tvi_system *system = rescaled_system(2, a->potential == kepler ? NULL : driven_mass, a->potential, a->g), *plain;
-    ck_assert_ptr_nonnull(system->stepped_system->hessian_values);
-    ck_assert_int_eq(system->stepped_system->hessian_is_complete, a->g != NULL);
+    ck_assert_ptr_nonnull(system->stepped_system->hessian.values);
+    ck_assert_int_eq(system->stepped_system->hessian.is_complete, a->g != NULL);
     ck_assert_int_eq(tvi_system_hamiltonian(&plain, 3, a->by_hand, NULL), TVI_OK);
-    ck_assert_ptr_null(plain->hessian_values);
+    ck_assert_ptr_null(plain->hessian.values);
     state extended = {0, {start.q[0], start.q[1], start.t}, {start.p[0], start.p[1], 0}};
     ck_assert_int_eq(tvi_energy(system, start.t, start.q, start.p, &extended.p[2]), TVI_OK);
     extended.p[2] = -extended.p[2];
@@ -89,14 +89,14 @@ END_TEST
 START_TEST(dear_ones_are_left)
 {
     tvi_system *one_body = rescaled_system(2, NULL, kepler, NULL);
-    ck_assert_ptr_nonnull(one_body->stepped_system->hessian_values);
+    ck_assert_ptr_nonnull(one_body->stepped_system->hessian.values);
     tvi_system_free(one_body);
     const scene *s = &hard_pythagorean.scene;
     tvi_system *rescaled = rescaled_system(s->n, s->mass, s->potential, hard_pythagorean.scale);
-    ck_assert_ptr_null(rescaled->stepped_system->hessian_values);
+    ck_assert_ptr_null(rescaled->stepped_system->hessian.values);
     tvi_system_free(rescaled);
     rescaled = rescaled_system(s->n, s->mass, s->potential, NULL);
-    ck_assert_ptr_nonnull(rescaled->stepped_system->hessian_values);
+    ck_assert_ptr_nonnull(rescaled->stepped_system->hessian.values);
     tvi_system_free(rescaled);
 }
 END_TEST
