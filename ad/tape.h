@@ -20,9 +20,10 @@ typedef enum {
 } jet_tape_kind;
 
 /* A run: the operations z + i = op(a + i, b + i), i < operation_count, of adjacent slots z + i. Slots w + i are the
- * auxiliary series. LINEAR: z + i has the constant term constant_terms[first_constant_term_index + i], and terms of its
- * own: terms.coefficient[k] times slot terms.slot[k], for `term_count` values k from first_term_index + i * term_count
- * on. PRODUCTS, SQUARES: the operations share coefficients. The terms are terms.coefficient[k] times the slots
+ * auxiliary series.
+ * LINEAR: z + i has the constant term constant_terms[first_constant_term_index + i], and terms of its own:
+ * terms.coefficient[k] times slot terms.slot[k], for `term_count` values k from first_term_index + i * term_count on.
+ * PRODUCTS, SQUARES: the operations share coefficients. The terms are terms.coefficient[k] times the slots
  * terms.slot[k] + i and terms.slot_b[k] + i, for `term_count` values k from first_term_index on. */
 typedef struct {
     jet_op op;

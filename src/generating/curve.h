@@ -76,7 +76,7 @@ typedef struct {
     double *kappa;             /* [n] the factor that scales the momentum */
     double *series;            /* the block of the field's series, orders 0 .. highest_order */
     double *one_over, *log_of; /* [highest_order + 2] 1 / k and log k */
-    /* The Jacobians by z: NULL unless they are used, and then of the curve for which they were last computed. */
+    /* The Jacobians by z: those of the curve for which they were last computed, and NULL where `use` needs none. */
     struct {
         tvi_jacobians use;
         double *dQ_dz, *dU_dz; /* [highest_order + 1][n][2n] dQ_k/dz and dU_k/dz; dU_dz is NULL if separable */
