@@ -7,8 +7,9 @@
 #ifndef TVI_AD_DEVICES_H
 #define TVI_AD_DEVICES_H
 
-#define JET_DEVICE_TERMS 1 /* A sum of products is one operation: lowering.c. */
-#define JET_DEVICE_SPLIT 2 /* Generated code has runs of one operation: tape_split.c, chosen in emit.c. */
+#define JET_DEVICE_TERMS 1 /* bit of the device that makes one operation of a sum of products: lowering.c */
+/* The bit of the device that gives generated code runs of one operation: tape_split.c, chosen in emit.c. */
+#define JET_DEVICE_SPLIT 2
 
 #ifdef TVI_PLAIN
 #define JET_WITHOUT (~0)

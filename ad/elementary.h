@@ -137,8 +137,8 @@ JET_INLINE void jet_apply_where_in_range(jet_vector_function *vector_function, d
         if (is_in[i]) result[i] = z[i];
 }
 
-/* Computes the function for numbers of every size: by the vector function in the two ranges, and by the scalar function
- * elsewhere. */
+/* Computes the function for numbers of every size: by the vector function in the ranges near_zero and far_from_zero of
+ * |x|, where it is accurate, and by the scalar function elsewhere. */
 JET_INLINE void jet_apply_in_any_range(jet_vector_function *vector_function, jet_scalar_function *scalar_function,
                                        jet_argument_magnitude_range near_zero,
                                        jet_argument_magnitude_range far_from_zero, double exponent, int count,

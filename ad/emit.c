@@ -10,8 +10,8 @@
 
 /* [operations] On tapes of up to this size each sum is a run of its own. */
 #define EMIT_MAX_SINGLE_SUMS 256 /* found: make performance ONE=compiling */
-/* [operations] On tapes of up to this size each operation is a run of its own, if only values of whole vectors are
- * requested. */
+/* [operations] On tapes of up to this size each operation is a run of its own, if only values are requested, in numbers
+ * of lanes that fill whole vectors. */
 #define EMIT_MAX_SINGLE_OPERATIONS 768 /* found: make performance ONE=compiling */
 /* [operations] The largest tape whose value function is inlined, if the lanes fill several registers. */
 #define EMIT_MAX_INLINED 64 /* found: make performance ONE=compiled */

@@ -152,7 +152,8 @@ tvi_status tvi_watched_evaluate_change(void *ctx, double theta, double *g_per_th
     bool is_exact;
     tvi_status status = tvi_partial_step_compute_state(&search->partial_step, theta * search->integrator->last_step.h);
     if (status != TVI_OK) return status;
-    for (int i = 0; i < n; i++) { /* to roundoff of the increments, not of the states */
+    /* The change of the state is the sum of increments, so that it has their roundoff, not that of the states. */
+    for (int i = 0; i < n; i++) {
         change[i] = increments->dq[i] + increments->dq_low[i];
         change[n + i] = increments->dp[i] + increments->dp_low[i];
     }

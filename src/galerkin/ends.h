@@ -248,7 +248,7 @@ typedef struct {
     tvi_subsystems subsystems;
     galerkin_sums sums;
     double inverse_end_weight; /* 1 / b_j of the first and the last node */
-    const double *scale;       /* [n] galerkin_nodes.scale of the coordinates */
+    const double *scale;       /* [n] what an impulse moves a coordinate by, h / m (galerkin_nodes.scale) */
     double *inverse_scale;     /* [n] 1 / |scale| */
     const double *q, *p, *dp;  /* [n] the state at the start of the step, and the increment of p */
     double *share, *ratio; /* [n] scratch: the share of each component in the motion, and the ratio of its last term */

@@ -39,8 +39,8 @@ typedef struct {
     double *scratch_column;   /* [n][lanes] Scratch: one column of numbers at each node. */
 } node_matrix;
 
-/* The rows of nodes.x are positions Q, momenta P, velocities V, forces F = L_q, and the change of L_v by the
- * displacement of Q, n each. */
+/* (Q*, V*) are the positions and velocities at which the Hessian was computed last. The rows of nodes.x are positions
+ * Q, momenta P, velocities V, forces F = L_q, and the change of L_v by the displacement of Q, n each. */
 typedef struct {
     /* The nodes with the rates V and F as unknowns. The prediction extrapolates them from the impulses of earlier
      * steps, with scale = 1 / h, and no free motion. */

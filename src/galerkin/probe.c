@@ -34,8 +34,9 @@
  * stall_comparison_lag: in the equations of a Hamiltonian, passes may alternately contract much and little. */
 #define SQUARE(x) ((x) * (x))
 
-/* Without the term h g'' of the second derivatives of a Hamiltonian K = g h (hamiltonian_pass.h), each pass reduces the
- * error by a constant factor only: this is not Newton's method. */
+/* Makes the rule for the form of the equations: whether passes are those of Newton's method decides how a correction is
+ * compared with those before it. Without the term h g'' of the second derivatives of a Hamiltonian K = g h
+ * (hamiltonian_pass.h) they are not: each pass reduces the error by a constant factor only. */
 tvi_stopping_rule tvi_galerkin_make_stopping_rule(const galerkin_work *work)
 {
     const galerkin_step *step = &work->step;

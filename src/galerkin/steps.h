@@ -70,7 +70,7 @@ typedef struct galerkin_outcome {
     tvi_status status;
     long step_count;
     galerkin_counts counts;          /* the work of all passes */
-    galerkin_counts counts_of_added; /* the work of the passes of those steps that were made */
+    galerkin_counts counts_of_added; /* the work of the passes of the step_count steps that were added to the state */
     /* The index in the ring of the last step's impulses, and how many of the last two steps (0, 1 or 2) have the size
      * of the next step. */
     int ring_index, equal_step_count;

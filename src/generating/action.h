@@ -1,9 +1,10 @@
-/* action.h - declares the gradient of the discrete action S of a curve by the state z at its centre, which steppers
+/* action.h - Declares the gradient of the discrete action S of a curve by the state z at its centre, which steppers
  * compute in each pass (docs/method.md section 4): S_z = G+^T p+ - G-^T p- + D_z. Here p- and p+ are the curve's
  * momenta at the start and the end of the step, and G- and G+ are the Jacobians, by z, of its coordinates there. The
  * defect form D_z of the gradient is small: it is a sum over the quadrature nodes in which the residuals of the
- * equations of motion are factors, and these nearly vanish on the curve. It is computed as seeds (seeds.c). The tables
- * (action.c) are compiled once, so that they have the same bits for all instruction sets. */
+ * equations of motion are factors, and these nearly vanish on the curve. seeds.c computes its derivatives by the
+ * coefficients of the curve, of which D_z is the product with the Jacobians by z. action.c, which makes the tables of
+ * the powers s_i^k of the nodes, is compiled once, so that they have the same bits for all instruction sets. */
 #ifndef TVI_SRC_GENERATING_ACTION_H
 #define TVI_SRC_GENERATING_ACTION_H
 

@@ -314,8 +314,9 @@ typedef struct {
 /* The widest block of components: a vector of the instruction set, so that the sums of a block stay in registers. */
 enum { BLOCK = sizeof(jet_widest) / sizeof(double) };
 
-/* The sums of a block over every second order. Two such structures have all orders; their additions do not depend on
- * each other, so that a processor makes them at the same time. */
+/* The sums of a block of components of one series, q or u: its value, its size, and both of its slope, over every
+ * second order. Two such structures have all orders; their additions do not depend on each other, so that a processor
+ * makes them at the same time. */
 typedef struct {
     double value[BLOCK], size[BLOCK], slope[BLOCK], slope_size[BLOCK];
 } block_sums;

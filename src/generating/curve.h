@@ -192,7 +192,7 @@ static inline void series_sum_add_up(const tvi_curve *curve, const tvi_series_su
 void tvi_series_sum_compute(const tvi_curve *curve, const tvi_series_sum *sum, double out[]);
 /* Computes matrix[n][2n], the Jacobian of the sum by z. */
 void tvi_series_sum_compute_jacobian(const tvi_curve *curve, const tvi_series_sum *sum, double matrix[]);
-/* Sets the change dz [2n] of z for the function below. */
+/* Sets the change dz [2n] of z, for which tvi_series_sum_compute_change computes what it makes of sums. */
 void tvi_curve_set_dz(tvi_curve *curve, const double dz[]);
 /* Computes out[n], the change of the sum to first order if z changes by dz: its Jacobian times dz. */
 void tvi_series_sum_compute_change(const tvi_curve *curve, const tvi_series_sum *sum, double out[]);
@@ -236,9 +236,9 @@ void tvi_curve_rescale(tvi_curve *curve, double factor, double dq[], double du[]
 
 /* ---- Products with transposed Jacobians (products.c) ------------------------------------------------------------- */
 
-/* The operands of a product with transposed Jacobians: sum_k (dQ_k/dz)^T seed_Q[k] + factor (J_upper^T x + J_lower^T
- * y), with J_upper and J_lower the Jacobians of the sums `upper` and `lower`, and x and y [n]. Seeds and sums that are
- * NULL are omitted. */
+/* The operands of a product with transposed Jacobians, which the equations of a step need where no matrix is formed:
+ * sum_k (dQ_k/dz)^T seed_Q[k] + factor (J_upper^T x + J_lower^T y), with J_upper and J_lower the Jacobians by z of two
+ * sums of the series, `upper` and `lower`, and x and y [n]. Seeds and sums that are NULL are omitted. */
 typedef struct {
     const double *seed_Q;
     double factor;

@@ -57,8 +57,8 @@ static void compute_scale(void *self, double scale[])
     }
 }
 
-/* Sets the corrections of both ends of the step from the solution (x, y) of the equations in D_z, by the formulas of
- * method/descriptor.h. */
+/* Sets the corrections of both ends of the step from (x, y), the two halves of D_z that solve the step's equations, by
+ * the formulas of method/descriptor.h. */
 static void set_end_corrections(const tvi_corrected_curve *c)
 {
     const tvi_curve_end_correction_factors *factors = &c->definition->end_correction_factors;

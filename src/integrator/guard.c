@@ -200,7 +200,7 @@ static void set_zero_level_and_scale(tvi_integrator *it, double H, double roundo
     reference->has_energy_scale = reference->energy_scale > roundoff && isfinite(reference->energy_scale);
     reference->can_zero_level_be_lowered = reference->has_energy_scale && is_even_in_p && !has_limit;
     if (!reference->has_energy_scale)
-        reference->zero_level = reference->energy_scale = 0; /* H at the start of the run may be NAN */
+        reference->zero_level = reference->energy_scale = 0; /* not NAN, as H at the start may be: states are finite */
 }
 
 /* Lowers the zero level to H(q, 0) at the start of the step, if H(q, 0) is lower. A level that is the limit

@@ -1,5 +1,5 @@
-/* plan.c - Refuses plans of runs (tvi_run_plan) that contradict themselves, and runs an integrator by a plan, whose
- * observers it calls (plan.h). */
+/* plan.c - Refuses plans of runs (tvi_run_plan) that contradict themselves, and calls the observers of a plan, those of
+ * members of ensembles one at a time (plan.h). run.c makes the steps of the run. */
 #include "run/plan.h"
 #include "system/refuse.h"
 

@@ -34,7 +34,8 @@
 /* [pairs] The search ends after this many pairs in a row whose error has not shrunk, against that of the pair before,
  * at least by the power order/2 of the ratio of their steps. */
 #define MOST_STALLS 8 /* found: make suggest */
-/* [steps] The witness has at least this many, and so has a run without a witness. */
+/* [steps] The witness, which is the run by "taylor" to a tolerance, has at least this many, and so has the first run of
+ * a search without a witness. */
 #define LEAST_STEPS 64 /* found: make suggest */
 /* [steps] All runs make at most this many, if the plan names no other number. */
 #define MOST_STEPS 10000000

@@ -44,11 +44,11 @@ int tvi_roundoff_estimate_field(tvi_roundoff_estimator *roundoff, const tvi_syst
  * restarts. */
 double tvi_roundoff_sign_randomly(tvi_roundoff_estimator *roundoff, double size);
 
-/* Tells whether the motion in a step of size h is so small that roundoff at the nodes may exceed it. This is the case
- * if the coordinates q_at_nodes [n][lanes], of which node_count columns are used, stay closer to q_start than |q_start|
- * plus a multiple of |h v_start|, or if the momenta p_at_nodes stay closer to p_start than |p_start|. For a system that
- * is not separable, v_start counts as 0; for a separable system, the momenta are ignored. By this test the callers
- * exclude passes that have diverged to states at which the field is nothing but roundoff. */
+/* Tells whether the nodes of a step of size h are near enough to its start for their roundoff to be that of the step.
+ * This is the case if the coordinates q_at_nodes [n][lanes], of which node_count columns are used, stay closer to
+ * q_start than |q_start| plus a multiple of |h v_start|, or if the momenta p_at_nodes stay closer to p_start than
+ * |p_start|. For a system that is not separable, v_start counts as 0; for a separable system, the momenta are ignored.
+ * By this test the callers exclude passes that have diverged to states at which the field is nothing but roundoff. */
 bool tvi_roundoff_may_exceed_motion(const tvi_system *system, double h, const double q_start[], const double p_start[],
                                     const double *q_at_nodes, const double *p_at_nodes, int lanes, int node_count);
 

@@ -26,7 +26,8 @@ typedef struct {
 /* A system whose recording is open. All jets belong to its graph. */
 typedef struct {
     tvi_system *system;
-    /* Inputs of the graph: coordinates; velocities or momenta; directions r for the gradient of r.H_p; time. */
+    /* Inputs of the graph: coordinates; velocities or momenta; the vector r of the gradient of r.H_p, which truncated
+     * nodes need; time. */
     jet *q, *v, *r, t;
     jet user_function;       /* The user's V, L or H. */
     jet *field;              /* [2n] The field, which belongs to the system. */
