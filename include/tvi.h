@@ -340,13 +340,13 @@ typedef struct {
     double tail;
     /* The largest tail since the integrator was created or reset, also of a step that was refused. */
     double largest_tail;
-    size_t bytes;     /* of memory held by the integrator */
-    bool is_compiled; /* its steps run tvi_options.compiled */
     /* The largest defect since the integrator was created or reset, also of a step that was refused: how far the forces
      * on a body at the ends of a step are from the step's polynomial, relative to the largest force in it. It is
      * computed by "galerkin" for the systems of tvi_bodies.h, where the tail is above 1e-3; above 0.28 a step is
      * refused. */
     double largest_defect;
+    size_t bytes;     /* of memory held by the integrator */
+    bool is_compiled; /* its steps run tvi_options.compiled */
 } tvi_stats;
 const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);
 
@@ -375,7 +375,7 @@ TVI_NODISCARD tvi_status tvi_step_tangent(tvi_integrator *integrator, double h, 
  *     instruction set and method reads this part, and a run goes on from it to roundoff.
  *   - the history of the steps and the counts, for the system, options, instruction set and version that wrote it. They
  *     go on from it bit for bit as if the run had not been interrupted; for others it is dropped. A state that is not
- *     what the last step returned has none.
+ *     what the last step returned has zeros in its place, and the counts.
  * The size of a text depends on the system, its parameters and the options alone, and can be asked for before a run.
  *
  * tvi_state_to_text: *size is the size of the buffer `text`, and then the number of characters written; text NULL asks

@@ -62,7 +62,8 @@ typedef int tvi_event_observer(int which, double t, const double q[], const doub
  * reset it, write texts of states and ask it; stepping it or reading a state is refused (TVI_EINVAL) while it calls
  * them. In on_event tvi_state_last returns the end of the step: a run from it does not report the step's later events.
  *   TVI_ESTOPPED   an observer or a terminal event ended the run: t, q, p are those of the step, or of the event. An
- *                  event is no step: from it the run goes on as from any new state.
+ *                  event is no step: observer is not called for the step that contains it, and from it the run goes on
+ *                  as from any new state.
  *   TVI_ENOCONV    also an event that is reached again before the time moves: t, q, p are those where it was left
  *   TVI_EDOMAIN, TVI_ENONFINITE   also where g has no value: t, q, p are then those at the end of the step
  *   TVI_EINVAL     also an event of another dimension or NULL, count < 0

@@ -1,5 +1,5 @@
 /* events.h - Declares the search for the events of a run, and what its three files call of each other. src/run/run.c
- * calls the functions of run.c after each step, and reports the events.
+ * calls the functions of events.c after each step, and reports the events.
  *
  * theta is the part of the step, from 0 at its start to 1 at its end. A state is a vector [2n + 1], in the order q, p,
  * t. */
@@ -43,7 +43,7 @@ struct tvi_watched_event {
     const tvi_event *event;
     double *tape_block;                /* memory in which the tape of the event is evaluated */
     tvi_event_expansion local_series;  /* memory for the Taylor series of g near one state */
-    double g_samples[1 + TVI_SAMPLES]; /* values of g: at the start of the step, then at tvi_sample_theta */
+    double g_samples[1 + TVI_SAMPLES]; /* values of g: at the start of the step, then at k / 8 */
     /* True if the run goes on from a state where it was stopped, and this event was reported at that stop. */
     bool was_reported_at_stop;
     bool is_unreported_at_stop; /* true if this event lies at the stop that ends the run, and was not reported */
@@ -92,15 +92,10 @@ TVI_NODISCARD tvi_status tvi_search_last_step(tvi_event_search *search);
 TVI_NODISCARD tvi_status tvi_watched_evaluate(tvi_watched_event *watched, const double state[], double *g);
 /* Computes the value *g of an event function, ctx is the tvi_watched_event, on the curve of the last step at theta. */
 TVI_NODISCARD tvi_status tvi_watched_evaluate_on_curve(void *ctx, double theta, double *g);
-/* Tells whether g, the value of an event function at a state, is at most its roundoff there. */
-TVI_NODISCARD tvi_status tvi_watched_is_zero(tvi_watched_event *watched, double g, const double state[], bool *is_zero);
 /* Sets *g_per_theta to (g(x(theta)) - g(x(0))) / theta for a step that begins on the event ctx, where x(theta) is the
  * state after a partial step of the method. This quotient is nearly linear in theta if theta is small. The
  * tvi_watched_event's change_sign becomes its sign, or 0 if it is below its roundoff. theta < 1. */
 TVI_NODISCARD tvi_status tvi_watched_evaluate_change(void *ctx, double theta, double *g_per_theta);
-/* Tells whether the event was reported at the given stop of a run. */
-bool tvi_stop_has_event(const tvi_event_stop *stop, const tvi_event *event);
-
 /* A sample of an event function: the value g at the abscissa theta. */
 typedef struct {
     double theta, g;
@@ -127,7 +122,8 @@ static inline bool tvi_has_sign_after_root(const tvi_event_root *root, double g)
     return root->g_sign_after > 0 ? g >= 0 : g <= 0;
 }
 
-/* ---- run.c ------------------------------------------------------------------------------------------------------- */
+/* ---- events.c
+ * ------------------------------------------------------------------------------------------------------- */
 
 /* Opens a search for the events of a run that begins at the time t with q = start_state[0] and p = start_state[1]. On
  * failure *out is NULL. */
@@ -142,5 +138,9 @@ TVI_NODISCARD tvi_status tvi_events_find(tvi_event_search *search);
  * that a run that goes on from this state does not report them again. Those that were not reported before have
  * is_unreported_at_stop. */
 TVI_NODISCARD tvi_status tvi_events_stop_run(tvi_event_search *search, const tvi_event_root *root);
+/* Tells whether g, the value of an event function at a state, is at most its roundoff there. */
+TVI_NODISCARD tvi_status tvi_watched_is_zero(tvi_watched_event *watched, double g, const double state[], bool *is_zero);
+/* Tells whether the event was reported at the given stop of a run. */
+bool tvi_stop_has_event(const tvi_event_stop *stop, const tvi_event *event);
 
 #endif

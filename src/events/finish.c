@@ -1,5 +1,5 @@
 /* finish.c - Computes the time and the state of an event to roundoff, from a root that search.c has bracketed on the
- * curve of a step. run.c calls it.
+ * curve of a step. events.c calls it.
  *
  * The curve is less accurate than the states that partial steps of the method compute (partial_step.h). Two such
  * states near the root, at a and b, define a straight line. It differs from the method's solution by about (theta -
@@ -169,7 +169,8 @@ static tvi_status begin_line(tvi_event_search *search)
     return status == TVI_OK ? add_state(search, theta + (theta < 0.5 ? FIRST_DISTANCE : -FIRST_DISTANCE), &g) : status;
 }
 
-/* Finds the root on lines, and sets root->theta and root->state. root->theta remains NAN if a line has no root. */
+/* Finds the root on lines, and sets root->theta and root->state. root->theta remains NAN if a line has no root, or if
+ * MOST_LINES lines do not reach roundoff. */
 static tvi_status find_root_on_lines(tvi_event_search *search, tvi_event_root *root)
 {
     tvi_status status = begin_line(search);

@@ -1,4 +1,4 @@
-/* search.c - Finds the roots of all event functions g(q, p, t) along the curve of the last step (tvi_dense). run.c
+/* search.c - Finds the roots of all event functions g(q, p, t) along the curve of the last step (tvi_dense). events.c
  * calls it after each step, and finish.c then computes each root to roundoff.
  *
  * All functions are evaluated at the samples of the step (tvi_sample_theta). A root lies between two samples of

@@ -35,6 +35,7 @@ typedef struct {
     int count, axes;
     const double *mass;
     double largest_mass;
+    bool attract; /* each other; otherwise each is alone in a given field */
 } step_bodies;
 
 /* A test particle has 1e-30 of the largest mass. */
@@ -54,7 +55,7 @@ static double squared_distance(const step_bodies *bodies, const double *q, int a
 static bool attract(const step_bodies *bodies, int a, int b)
 {
     const double larger = fmax(bodies->mass[a * bodies->axes], bodies->mass[b * bodies->axes]);
-    return a != b && larger > LARGEST_TEST_MASS * bodies->largest_mass;
+    return bodies->attract && a != b && larger > LARGEST_TEST_MASS * bodies->largest_mass;
 }
 
 /* Returns the body that is nearest to body a of those that attract it, or -1 if there is none. */
@@ -118,8 +119,9 @@ double tvi_defect_of_bodies(tvi_integrator *it)
 {
     const tvi_system *system = it->system;
     const int n = it->stepped->n;
-    const step_bodies bodies = {system->axes > 0 ? system->n / system->axes : 0, system->axes, system->mass,
-                                tvi_largest_magnitude(system->n, system->mass, 1)};
+    const int axes = system->axes < 0 ? -system->axes : system->axes;
+    const step_bodies bodies = {axes > 0 ? system->n / axes : 0, axes, system->mass,
+                                tvi_largest_magnitude(system->n, system->mass, 1), system->axes > 0};
     double *at_end = it->guard.curve_forces + n * TVI_FORCE_POINTS, largest = 0;
     if (bodies.count == 0 || !it->guard.curve_forces) return 0;
     const int points = it->stepper->compute_curve_forces(it->work, it->guard.curve_forces);

@@ -50,7 +50,9 @@ static void allocate_energy_memory(tvi_integrator *integrator, tvi_arena *arena)
     if (system->energy.tape && (tvi_is_rescaled(integrator) || integrator->options.max_tail >= 0))
         tvi_energy_allocate(&integrator->guard.energy_work, arena, system);
     if (tvi_steps_K(integrator)) tvi_energy_allocate_long_double(&integrator->guard.K_work, arena, integrator->stepped);
-    if (system->axes > 0 && integrator->stepper->compute_curve_forces && integrator->options.max_tail >= 0)
+    const bool has_forces = integrator->stepped->form != TVI_LAGRANGIAN; /* p' as a function of q and p */
+    if (system->axes != 0 && has_forces && integrator->stepper->compute_curve_forces &&
+        integrator->options.max_tail >= 0)
         integrator->guard.curve_forces =
             tvi_arena_allocate_doubles(arena, (size_t)integrator->stepped->n * (TVI_FORCE_POINTS + 1));
     integrator->guard.field_block = tvi_arena_allocate_block(arena, integrator->stepped->field_values, 1, 1, 0);

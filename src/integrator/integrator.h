@@ -51,7 +51,8 @@ typedef struct {
     /* [copied_bytes] A copy of the first part, as it was before the last step was tried. */
     char *before;
     size_t bytes, copied_bytes;
-    size_t state_bytes; /* the bytes at the beginning that belong to the state; all further ones are the stepper's */
+    /* The bytes at the beginning that belong to the state; all further ones are run_start and the stepper's. */
+    size_t state_bytes;
 } tvi_step_history;
 
 /* The last step that was tried. It is valid until the state is set by the user. */

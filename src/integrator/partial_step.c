@@ -53,11 +53,13 @@ tvi_status tvi_partial_step_set_parameters(tvi_partial_step *partial_step)
     return tvi_integrator_set_parameters(partial_step->partial_step_integrator, it->parameters);
 }
 
-/* Sets the history from which the partial step of size `offset` starts. It has two parts. The first part, the low-order
- * parts of the state's numbers, is always copied from the start of the full step. The second part is what the corrector
- * has learned, from which it predicts its unknowns. If uses_history_after_step is false, this part, too, is copied from
- * the start of the full step. If it is true, this part is copied from the end of the full step; but if the last partial
- * step began at the same full step and had almost the size `offset`, this part is kept as that partial step left it. */
+/* Sets the history from which the partial step of size `offset` starts. It has two parts. The first part, the state
+ * with its low-order parts, is always copied from the start of the full step. The second part is what the corrector has
+ * learned, from which it predicts its unknowns. If uses_history_after_step is false, this part, too, is copied from the
+ * start of the full step. If it is true, this part is copied from the end of the full step; but if the last partial
+ * step began at the same full step and had almost the size `offset`, this part is kept as that partial step left it.
+ * tvi_step goes on from it, since the copied is_state_from_step is that of the full step's start; where the full step
+ * was the first one of a run that is 0, and the history is cleared. */
 static void set_partial_step_history(tvi_partial_step *partial_step, double offset)
 {
     const tvi_integrator *it = partial_step->full_step_integrator;

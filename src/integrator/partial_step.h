@@ -1,6 +1,7 @@
 /* partial_step.h - Computes a state inside the last step of an integrator, by a shorter step of the same method from
- * the start of that step. Runs call it for results at given times (times.c) and for events (finish.c). The computed
- * states are as accurate as those at the ends of steps; the curve of tvi_dense is less accurate. */
+ * the start of that step. Runs call it for results at given times (run/times.c), for events (events/) and for the end
+ * of a run (run/run.c). The computed states are as accurate as those at the ends of steps; the curve of tvi_dense is
+ * less accurate. */
 #ifndef TVI_INTEGRATOR_PARTIAL_STEP_H
 #define TVI_INTEGRATOR_PARTIAL_STEP_H
 

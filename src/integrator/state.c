@@ -51,7 +51,7 @@ static const char NO_STATE[] = "the text is no state", NO_MEMORY[] = "out of mem
 typedef struct {
     int64_t n, parameter_count; /* if n is not 0, the text that is read has to have the same numbers */
     int64_t is_from_step;       /* 1 if a step returned the state, otherwise 0 */
-    bool has_e;                 /* true if the text has the e of a rescaled system */
+    bool has_e;                 /* true if the text has the e of K = g (H + e) */
     /* The hash of what the bits of the integrator's history depend on, and its number of words. Both are 0 if there is
      * no integrator, and then all histories are skipped. */
     uint64_t own_hash;
@@ -197,6 +197,7 @@ static void transfer_fixed_word(text_stream *stream, char separator, const char 
     record_fault(stream, strcmp(word, wanted) != 0, fault);
 }
 
+/* Transfers a number. While a text is read, the word that write_number has written is replaced by that of the input. */
 static void transfer_number(text_stream *stream, number_kind kind, void *number)
 {
     char word[LONGEST_WORD + 1];
@@ -369,7 +370,7 @@ static void fill_page(state_page *page, const tvi_integrator *it, double t, cons
     const tvi_run_state *state = &it->state;
     const bool is_own = *it->is_state_from_step && tvi_integrator_state_equals(it, t, q, p);
     page->is_from_step = is_own;
-    page->has_e = tvi_is_rescaled(it);
+    page->has_e = tvi_steps_K(it);
     join_pairs(1, &t, is_own ? &state->q_low[n] : NULL, page->state);
     join_pairs(n, q, is_own ? state->q_low : NULL, page->state + 2);
     join_pairs(n, p, is_own ? state->p_low : NULL, page->state + 2 + 2 * n);
@@ -418,7 +419,7 @@ static tvi_status set_state(tvi_integrator *it, const state_page *page)
     const int n = it->system->n;
     const double *const q = page->state + 2, *const p = q + 2 * n;
     const tvi_run_state *state = &it->state;
-    split_pairs(n, q, it->guard.end.q, NULL);
+    split_pairs(n, q, it->guard.end.q, NULL); /* scratch: begin_step clears the state before it copies */
     split_pairs(n, p, it->guard.end.p, NULL);
     *it->is_state_from_step = false;
     const tvi_status status = tvi_integrator_begin_step(it, page->state[0], it->guard.end.q, it->guard.end.p);
@@ -429,7 +430,7 @@ static tvi_status set_state(tvi_integrator *it, const state_page *page)
     split_pairs(1, page->state, &state->q[n], &state->q_low[n]);
     split_pairs(n, q, state->q, state->q_low);
     split_pairs(n, p, state->p, state->p_low);
-    if (page->has_e && tvi_is_rescaled(it)) split_pairs(1, p + 2 * n, &state->p[n], &state->p_low[n]);
+    if (page->has_e && tvi_steps_K(it)) split_pairs(1, p + 2 * n, &state->p[n], &state->p_low[n]);
     return is_history_valid(it) ? TVI_OK : jet_refuse(TVI_EINVAL, "%s", DAMAGED);
 }
 

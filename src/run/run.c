@@ -7,6 +7,7 @@
 #include <float.h>
 #include <limits.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* [steps] A run fails after this many consecutive steps that hardly move its time. */
@@ -77,6 +78,8 @@ typedef struct {
     long step_count;           /* the number of steps that the run has made */
     long slow_step_count;      /* the number of steps since the last one that has moved the time */
     bool is_at_end;            /* true if the run ends with the steps that were made */
+    /* [k] how many steps of h / 2^k the run makes in the place of a step of size h, in the order of k */
+    int part_count[DBL_MANT_DIG];
 } run_in_progress;
 
 /* Makes the next steps of a run that ends after a number of steps, or after the last of the given times. */
@@ -89,6 +92,75 @@ static tvi_status make_steps_of_size_h(run_in_progress *running, double *t, doub
     return tvi_make_steps(running->integrator, steps, 0, plan->h, tvi_infinite_end_time(plan->h), t, q, p);
 }
 
+/* Finds the parts h/2, ..., h/4, ... of a step in s that failed, one after the other from the start of the step, which
+ * lead past t_end. Along an orbit that escapes, t is infinite at a finite s, so that the step that would pass t_end has
+ * no solution, and parts of it have one. A second integrator tries them; a part is made if its error, the square of the
+ * tail (tvi_stepper.is_superconvergent), is roundoff. *is_found tells whether t_end is reached. */
+static tvi_status find_parts_to_t_end(run_in_progress *running, bool *is_found)
+{
+    const tvi_integrator *it = running->integrator;
+    const double h = running->plan->h, t_end = running->plan->t_end;
+    const size_t n = (size_t)it->system->n;
+    tvi_integrator *trial = NULL;
+    double *q = malloc(2 * n * sizeof *q), *p = q + n, t, part = 0;
+    const tvi_status status = q ? tvi_integrator_create_like(&trial, it) : TVI_ENOMEM;
+    *is_found = false;
+    memset(running->part_count, 0, sizeof running->part_count);
+    if (status == TVI_OK) {
+        tvi_arena_copy_history(trial->history.now, it->history.now, it->history.bytes);
+        tvi_integrator_copy_state(it, &t, q, p);
+    }
+    for (int k = 1; status == TVI_OK && k < DBL_MANT_DIG && part < 1 && !*is_found;) {
+        const bool is_made = tvi_step(trial, ldexp(h, -k), &t, q, p) == TVI_OK;
+        const bool is_right = is_made && trial->stats.tail * trial->stats.tail <= DBL_EPSILON;
+        if (is_made && !is_right) tvi_integrator_undo_step(trial, &t, q, p);
+        if (!is_right) {
+            k++;
+            continue;
+        }
+        running->part_count[k]++;
+        part += ldexp(1, -k);
+        *is_found = (remaining_time_to(trial, t_end) > 0) != (h > 0);
+    }
+    tvi_integrator_free(trial);
+    free(q);
+    return status;
+}
+
+/* Returns the k of the next one of the parts h / 2^k, or 0 if there is none. */
+static int next_part(const run_in_progress *running)
+{
+    for (int k = 1; k < DBL_MANT_DIG; k++)
+        if (running->part_count[k] > 0) return k;
+    return 0;
+}
+
+/* Makes the next one of the parts of a step, each of which is a step to an observer. */
+static tvi_status make_next_part(run_in_progress *running, double *t, double q[], double p[])
+{
+    tvi_integrator *it = running->integrator;
+    const int k = next_part(running);
+    const double h = running->plan->h, t_end = running->plan->t_end;
+    running->part_count[k]--;
+    tvi_status status = tvi_step(it, ldexp(h, -k), t, q, p);
+    running->is_at_end = (remaining_time_to(it, t_end) > 0) != (h > 0);
+    if (status == TVI_OK && running->is_at_end) status = shorten_step_to_end_time(it, t_end, t, q, p);
+    if (status == TVI_OK && running->is_at_end) set_time_to_t_end(it, t_end, t);
+    return status;
+}
+
+/* Replaces the step in s that has failed with this status by parts of it that lead to t_end, and makes the first one.
+ * If there are none, the failure stays. */
+static tvi_status make_parts_instead(run_in_progress *running, tvi_status failure, double *t, double q[], double p[])
+{
+    char text[256];
+    bool is_found;
+    (void)jet_format(text, sizeof text, "%s", jet_last_refusal_text());
+    const tvi_status status = find_parts_to_t_end(running, &is_found);
+    if (status != TVI_OK) return jet_explain_out_of_memory(status);
+    return is_found ? make_next_part(running, t, q, p) : jet_refuse(failure, "%s", text);
+}
+
 /* Makes the next steps of size h of a run to t_end, or its last step. If the steps are steps in time, the last one has
  * the size of the remaining time, but no more than h; if they are steps in s, the one that passes t_end is replaced by
  * a shorter one. Steps in time that are made in one call end at least one step before t_end. */
@@ -97,11 +169,13 @@ static tvi_status make_steps_to_t_end(run_in_progress *running, double *t, doubl
     tvi_integrator *it = running->integrator;
     const double h = running->plan->h, t_end = running->plan->t_end, remaining = remaining_time_to(it, t_end);
     const double roundoff = end_time_roundoff(*t, t_end, h);
+    if (next_part(running) != 0) return make_next_part(running, t, q, p);
     const bool is_last = !tvi_is_rescaled(it) && fabs(remaining) <= fabs(h) + roundoff;
     const double whole = tvi_is_rescaled(it) ? INFINITY : fmax(floor(fabs(remaining / h)) - 1, 1);
     const long steps = (long)fmin(whole, (double)running->most_steps_per_call);
     tvi_status status = is_last ? tvi_step(it, copysign(fmin(fabs(h), fabs(remaining)), h), t, q, p)
                                 : tvi_make_steps(it, steps, 0, h, t_end - copysign(roundoff, h), t, q, p);
+    if (tvi_is_failure_of_member(status) && tvi_is_rescaled(it)) return make_parts_instead(running, status, t, q, p);
     const double left = is_last ? 0 : remaining_time_to(it, t_end);
     running->is_at_end = fabs(left) <= roundoff || (left > 0) != (h > 0);
     if (status == TVI_OK && running->is_at_end && fabs(left) > roundoff)
@@ -183,7 +257,7 @@ static tvi_status stop_at_root(const run_in_progress *running, const tvi_event_r
     for (int event_index = 0; event_index < running->events->event_count; event_index++)
         if (running->events->watched_events[event_index].is_unreported_at_stop)
             (void)report_event(running, event_index, root->state);
-    tvi_integrator_reset(running->integrator);
+    *running->integrator->is_state_from_step = false; /* the counts go on, with the largest tail */
     *t = root->state[2 * n];
     memcpy(q, root->state, n * sizeof *q);
     memcpy(p, root->state + n, n * sizeof *p);
@@ -226,7 +300,8 @@ static tvi_status report_events(const run_in_progress *running, double *t, doubl
     return status;
 }
 
-/* Reports the given times and the events that lie in the step just made, and then the step itself. */
+/* Reports the given times and the events that lie in the step just made, and then the step itself, unless an event ends
+ * the run in it. */
 static tvi_status report_times_events_and_step(const run_in_progress *running, long step, double *t, double q[],
                                                double p[])
 {
@@ -323,6 +398,11 @@ tvi_status tvi_run_integrator(tvi_integrator *it, const tvi_single_run *run, dou
     if (status == TVI_OK && (it->is_in_observer || !is_run_empty(plan, *t)))
         status = tvi_integrator_begin_step(it, *t, q, p);
     if (status != TVI_OK || is_run_empty(plan, *t)) return status;
+    /* The low-order part of the time may already have led to t_end. */
+    if (plan->has_t_end && remaining_time_to(it, plan->t_end) == 0) {
+        set_time_to_t_end(it, plan->t_end, t);
+        running.is_at_end = true;
+    }
     tvi_columns_store_run_start(it, &run->columns);
     return plan->time_count > 0 ? run_with_given_times(&running, continues_last_step, t, q, p)
                                 : make_all_steps(&running, t, q, p);

@@ -125,25 +125,27 @@ static jet record_user_time_scale(const rescaling_request *request, const jet q[
     return g;
 }
 
-/* Finds a coordinate on which g depends, and whose mass is at most LIGHTEST_MASS of the largest. K pushes it by (H + e)
- * g_q / m, where H + e is the truncation error of the heavy ones at the nodes: no step is right that is not as
- * accurate as the light one is light. Returns -1 if there is none. */
+/* Finds a coordinate whose mass is at most LIGHTEST_MASS of the largest, and on which or on whose momentum g depends. K
+ * pushes it by (H + e) g_q / m and (H + e) g_p, where H + e is the truncation error of the heavy ones at the nodes: no
+ * step is right that is not as accurate as the light one is light. Returns -1 if there is none. The inputs of the graph
+ * are the coordinates and the time, and then their momenta. */
 static int find_light_coordinate(const tvi_system *base, jet g)
 {
     static const double LIGHTEST_MASS = 1e-8;
+    const int n = base->n, inputs = 2 * (n + 1);
     jet_graph *graph;
     double largest = 0;
     int light = -1;
     if (!base->has_masses || !g.node || jet_is_poison(g) || jet_find_common_graph_or_poison(1, &g, &graph).node)
         return -1;
-    bool *used = calloc((size_t)base->n, sizeof *used);
-    if (!used || tvi_system_find_used_inputs(graph, base->n, 1, &g, used) != TVI_OK) {
+    bool *used = calloc((size_t)inputs, sizeof *used);
+    if (!used || tvi_system_find_used_inputs(graph, inputs, 1, &g, used) != TVI_OK) {
         free(used);
         return -1;
     }
-    for (int i = 0; i < base->n; i++) largest = fmax(largest, base->mass[i]);
-    for (int i = 0; i < base->n; i++)
-        if (used[i] && base->mass[i] <= LIGHTEST_MASS * largest) light = i;
+    for (int i = 0; i < n; i++) largest = fmax(largest, base->mass[i]);
+    for (int i = 0; i < n; i++)
+        if ((used[i] || used[n + 1 + i]) && base->mass[i] <= LIGHTEST_MASS * largest) light = i;
     free(used);
     return light;
 }

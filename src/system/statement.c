@@ -350,7 +350,7 @@ static tvi_status create_tapes(system_recording *recording, const system_stateme
     const tvi_status status = jet_graph_check_outputs(system->record.graph, outputs, recording->field);
     if (status != TVI_OK) return status;
     const int axes = statement->copied ? statement->copied->axes : jet_graph_axes(system->record.graph);
-    if (axes > 0 && n % axes == 0) system->axes = axes;
+    if (axes != 0 && n % abs(axes) == 0) system->axes = axes;
     jet_graph_end_recording(system->record.graph);
     system->input_count = outputs;
     system->field_series = jet_tape_create(system->record.graph, outputs, outputs, recording->field, JET_TAPE_SERIES);
@@ -464,5 +464,7 @@ tvi_status tvi_system_driven(tvi_system **out, const tvi_system *system, tvi_dri
     system_statement statement = {.ctx = (void *)system, .drive = drive, .drive_ctx = ctx};
     if (system->form == TVI_LAGRANGIAN) statement.lagrangian = tvi_record_user_lagrangian;
     else statement.hamiltonian = tvi_record_user_hamiltonian;
-    return create_system_from_statement(out, system->n, &statement);
+    const tvi_status status = create_system_from_statement(out, system->n, &statement);
+    if (status == TVI_OK) (*out)->axes = system->axes;
+    return status;
 }

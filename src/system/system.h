@@ -51,7 +51,9 @@ struct tvi_system {
     } tail;
     /* True if the matrix L_vv of the Lagrangian, or H_pp of the Hamiltonian, was found to be regular at some state. */
     bool is_regular;
-    int axes; /* The coordinates are places of bodies that attract each other, of so many axes each; 0: they are not. */
+    /* The coordinates are places of bodies of so many axes each, which attract each other; if it is negative, of bodies
+     * that only given ones attract; 0: they are not known to be places. */
+    int axes;
     bool has_automatic_scale; /* The time scale in K is the automatic one (automatic.c). */
     /* The recording, finished once the system is created. It is kept to recognise its jets, and to record the tangent
      * system (ad/lift.c). */

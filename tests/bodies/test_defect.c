@@ -106,6 +106,87 @@ START_TEST(shows_in_the_counts)
 }
 END_TEST
 
+static void no_drive(const jet q[], const jet v[], jet t, jet force[], void *ctx)
+{
+    (void)q, (void)t, (void)ctx;
+    for (int i = 0; i < N; i++) force[i] = jet_mul(-1e-30, v[i]);
+}
+
+/* Bodies that are driven have the defect of those that are not. */
+START_TEST(of_driven_bodies)
+{
+    const double mass[] = {1, 1e-3, 1};
+    const system_of_three s = planet_of_a_pair(1e-3, 0.9, 1.8 * acos(-1), 1);
+    const tvi_bodies b = {.bodies = BODIES, .axes = AXES, .mass = mass};
+    double q[N];
+    tvi_system *base, *driven;
+    tvi_integrator *it;
+    ck_assert_int_eq(tvi_bodies_system(&base, &b), TVI_OK);
+    ck_assert_int_eq(tvi_system_driven(&driven, base, no_drive, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&it, driven, NULL), TVI_OK);
+    ck_assert_int_eq(travel(it, &s, 0.63, 1, q), TVI_ETOOLARGE);
+    ck_assert_double_ge(tvi_integrator_stats(it)->largest_defect, 0.28);
+    tvi_integrator_free(it);
+    tvi_system_free(driven);
+    tvi_system_free(base);
+}
+END_TEST
+
+/* Two tracers in a field, which do not attract each other, at places that differ by roundoff. */
+static jet two_tracers(const jet q[], jet t, void *ctx)
+{
+    const jet centre[] = {jet_const(0), jet_const(0)};
+    (void)t;
+    return jet_add(tvi_bodies_field(ctx, centre, q), tvi_bodies_field(ctx, centre, q + 2));
+}
+
+START_TEST(of_tracers_of_one_place)
+{
+    const tvi_bodies star = {.bodies = 1, .axes = 2, .mass = (const double[]){1}};
+    tvi_system *system;
+    tvi_integrator *it;
+    tvi_options options;
+    double t = 0, q[] = {1, 0, 1 + 0x1p-52, 0}, p[] = {0, 1.2, 0, 1.2};
+    ck_assert_int_eq(tvi_system_potential(&system, 4, NULL, two_tracers, (void *)&star), TVI_OK);
+    ck_assert_int_eq(tvi_options_named("galerkin", 8, &options), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&it, system, &options), TVI_OK);
+    ck_assert_msg(tvi_integrate(it, 0.6, 30, &t, q, p, NULL, NULL) == TVI_OK, "%s", tvi_last_error());
+    ck_assert_double_gt(tvi_integrator_stats(it)->largest_tail, 1e-3); /* the defect is computed, */
+    ck_assert_double_gt(tvi_integrator_stats(it)->largest_defect, 0);
+    ck_assert_double_lt(tvi_integrator_stats(it)->largest_defect, 0.28); /* and is that of each alone */
+    tvi_integrator_free(it);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* A Lagrangian's field is a function of v: it has no defect, and right steps are accepted. */
+static jet in_a_turning_frame(const jet q[], const jet v[], jet t, void *ctx)
+{
+    jet T = jet_const(0);
+    const tvi_bodies *b = ctx;
+    for (int i = 0; i < 2; i++) {
+        const jet ux = jet_sub(v[2 * i], jet_mul(0.7, q[2 * i + 1])),
+                  uy = jet_add(v[2 * i + 1], jet_mul(0.7, q[2 * i]));
+        T = jet_add(T, jet_mul(0.5 * b->mass[i], jet_add(jet_sqr(ux), jet_sqr(uy))));
+    }
+    return jet_sub(T, tvi_bodies_potential(q, t, ctx));
+}
+
+START_TEST(not_of_lagrangians)
+{
+    const tvi_bodies b = {.bodies = 2, .axes = 2, .mass = (const double[]){1, 0.5}};
+    tvi_system *system;
+    tvi_integrator *it;
+    double t = 0, q[] = {0, 0, 1, 0}, p[] = {0, -0.2, 0, 0.2};
+    ck_assert_int_eq(tvi_system_lagrangian(&system, 4, in_a_turning_frame, (void *)&b), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&it, system, NULL), TVI_OK);
+    ck_assert_msg(tvi_integrate(it, 0.22, 5, &t, q, p, NULL, NULL) == TVI_OK, "%s", tvi_last_error());
+    ck_assert_double_eq(tvi_integrator_stats(it)->largest_defect, 0);
+    tvi_integrator_free(it);
+    tvi_system_free(system);
+}
+END_TEST
+
 Suite *suite_defect(void)
 {
     Suite *suite = suite_create("defect");
@@ -113,6 +194,9 @@ Suite *suite_defect(void)
     tcase_set_timeout(tests, 120);
     tcase_add_loop_test(tests, a_planet_of_one_star, 0, 4);
     tcase_add_test(tests, shows_in_the_counts);
+    tcase_add_test(tests, of_driven_bodies);
+    tcase_add_test(tests, of_tracers_of_one_place);
+    tcase_add_test(tests, not_of_lagrangians);
     suite_add_tcase(suite, tests);
     return suite;
 }

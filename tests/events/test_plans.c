@@ -208,6 +208,21 @@ START_TEST(last_step_is_not_longer)
 }
 END_TEST
 
+/* Back by one unit of t to where the low-order part of the time already is: no step is made. */
+START_TEST(back_by_roundoff)
+{
+    run r = run_open(&scene_kepler, "galerkin", 8);
+    const double t_end = nextafter(1, 2);
+    ck_assert_int_eq(tvi_integrate_to(r.integrator, 0.5, t_end, &r.x.t, r.x.q, r.x.p, NULL, NULL), TVI_OK);
+    ck_assert(r.x.t == t_end);
+    const long steps = tvi_integrator_stats(r.integrator)->steps;
+    ck_assert_msg(tvi_integrate_to(r.integrator, -0.5, 1, &r.x.t, r.x.q, r.x.p, NULL, NULL) == TVI_OK, "%s",
+                  tvi_last_error());
+    ck_assert(r.x.t == 1 && tvi_integrator_stats(r.integrator)->steps <= steps + 1);
+    run_close(&r);
+}
+END_TEST
+
 /* A plan of no steps makes none, whatever t is, and leaves the integrator's last step as it is. */
 START_TEST(no_steps)
 {
@@ -460,6 +475,7 @@ Suite *suite_plans(void)
     tcase_add_loop_test(tcase, times_and_t_end, 0, 4 * PAIRINGS);
     tcase_add_loop_test(tcase, last_step_is_not_longer, 0, 2);
     tcase_add_test(tcase, no_steps);
+    tcase_add_test(tcase, back_by_roundoff);
     tcase_add_loop_test(tcase, columns_in_two_calls, 0, 2 * PAIRINGS);
     tcase_add_test(tcase, columns_that_overflow);
     tcase_add_test(tcase, observers_of_steps);

@@ -263,6 +263,31 @@ START_TEST(members_and_states)
 }
 END_TEST
 
+/* A text of one form is read by the other: K has an e, which is its own and not the other's 0. */
+START_TEST(texts_between_forms)
+{
+    char text[8192];
+    size_t size = sizeof text;
+    const bool to_K = _i == 0;
+    const state start = kepler_start(0.5);
+    tvi_system *base, *forms[2];
+    ck_assert_int_eq(tvi_system_potential(&base, 2, NULL, kepler, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_system_rescaled_reversible(&forms[0], base, kepler_scale, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_system_rescaled(&forms[1], base, kepler_scale, NULL), TVI_OK);
+    tvi_system_free(base);
+    run from = open_run(forms[!to_K], NULL, 0, &start), to = open_run(forms[to_K], NULL, 0, &start);
+    ck_assert_int_eq(run_steps(&from, 0.2, 5), TVI_OK);
+    ck_assert_int_eq(tvi_state_to_text(from.integrator, from.x.t, from.x.q, from.x.p, text, &size), TVI_OK);
+    ck_assert_msg(tvi_state_from_text(to.integrator, text, size, &to.x.t, to.x.q, to.x.p) == TVI_OK, "%s",
+                  tvi_last_error());
+    ck_assert_int_eq(tvi_integrate_to(to.integrator, 0.2, 20, &to.x.t, to.x.q, to.x.p, NULL, NULL), TVI_OK);
+    const state exact = kepler_at(0.5, 20);
+    ck_assert_double_le(state_distance(2, &to.x, &exact), 1e-12);
+    close_run(&from);
+    close_run(&to);
+}
+END_TEST
+
 START_TEST(generated_code)
 {
     run r = open_reversible(DRIVEN, 16);
@@ -346,6 +371,45 @@ START_TEST(what_is_refused)
 }
 END_TEST
 
+/* g of the place, and of the momentum, of the second coordinate of `driven`. */
+static jet of_place(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t, (void)ctx;
+    return jet_div(1, jet_add(1, jet_sqr(q[1])));
+}
+
+static jet of_momentum(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)q, (void)t;
+    return jet_div(1, jet_add(1, jet_sqr(jet_div(p[1], *(const double *)ctx))));
+}
+
+static jet of_the_other(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t, (void)ctx;
+    return jet_div(1, jet_add(1, jet_sqr(q[0])));
+}
+
+/* K refuses a mass of at most 1e-8 of the largest where g depends on its coordinate or its momentum, and no other. */
+START_TEST(light_masses)
+{
+    static tvi_rescale_fn *const scales[] = {of_place, of_momentum, of_the_other};
+    for (int k = 0; k < 3; k++)
+        for (int light = 0; light < 2; light++) {
+            const double mass[] = {2, light ? 1e-8 * 2 : 3e-8 * 2};
+            tvi_system *base, *out;
+            ck_assert_int_eq(tvi_system_potential(&base, 2, mass, driven, NULL), TVI_OK);
+            const tvi_status status = tvi_system_rescaled(&out, base, scales[k], (void *)&mass[1]);
+            ck_assert_int_eq(status, light && k < 2 ? TVI_EUNSUPPORTED : TVI_OK);
+            ck_assert(status == TVI_OK || (strstr(tvi_last_error(), "reversible form") && !out));
+            tvi_system_free(out);
+            ck_assert_int_eq(tvi_system_rescaled_reversible(&out, base, scales[k], (void *)&mass[1]), TVI_OK);
+            tvi_system_free(out);
+            tvi_system_free(base);
+        }
+}
+END_TEST
+
 /* Where g is not positive a step is refused, and the state is as it was. */
 START_TEST(scale_that_is_not_positive)
 {
@@ -373,6 +437,8 @@ Suite *suite_reversible(void)
     tcase_add_loop_test(tcase, results_and_events, 0, KINDS);
     tcase_add_loop_test(tcase, columns_at_fixed_time, 0, KINDS);
     tcase_add_loop_test(tcase, members_and_states, 0, KINDS);
+    tcase_add_loop_test(tcase, texts_between_forms, 0, 2);
+    tcase_add_test(tcase, light_masses);
     tcase_add_test(tcase, generated_code);
     tcase_add_loop_test(tcase, steps_for_an_error, 0, 2);
     tcase_add_test(tcase, what_is_refused);

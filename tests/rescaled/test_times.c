@@ -1,6 +1,7 @@
 /* test_times.c - Tests results, ends and events at given times of a run whose steps are in s; and what a run goes on
  * from. */
 #include "rescaled.h"
+#include "tvi_bodies.h"
 #include "problems/texts.h"
 
 #include <float.h>
@@ -62,6 +63,13 @@ START_TEST(states_at_times)
 }
 END_TEST
 
+static int count_steps_to_failure(long step, double t, const double q[], const double p[], void *ctx)
+{
+    (void)t, (void)q, (void)p;
+    *(long *)ctx = step;
+    return 0;
+}
+
 /* To a time exactly, on from there, and back to the start. */
 START_TEST(ends_at_a_time)
 {
@@ -77,6 +85,47 @@ START_TEST(ends_at_a_time)
     ck_assert_int_eq(tvi_integrate_to(r.integrator, 0.5, 0, &r.x.t, r.x.q, r.x.p, NULL, NULL), TVI_OK);
     ck_assert_int_eq(tvi_integrator_stats(r.integrator)->steps, steps); /* it is there */
     ck_assert_int_eq(tvi_integrate_to(r.integrator, 0.5, -1, &r.x.t, r.x.q, r.x.p, NULL, NULL), TVI_EINVAL);
+    close_run(&r);
+}
+END_TEST
+
+/* A hyperbola reaches t = infinity at a finite s, so that the step that would pass t_end has no solution: parts of it
+ * are made, each of which is a step to the observer. */
+START_TEST(escaping_orbits_reach_a_time)
+{
+    static const double ends[] = {30, 300, 1000, 1e4};
+    const double h = _i % 2 ? -0.3 : 0.3, t_end = h > 0 ? ends[_i / 2 % 4] : -ends[_i / 2 % 4];
+    const bool is_reversible = _i / 8;
+    const tvi_orbit orbit = {.q = 1, .e = 2, .time = t_end};
+    const state start = {0, {1, 0}, {0, sqrt(3)}};
+    double x[3], v[3];
+    tvi_system *base, *rescaled;
+    ck_assert_int_eq(tvi_orbit_state(&orbit, 1, x, v), TVI_OK);
+    ck_assert_int_eq(tvi_system_potential(&base, 2, NULL, kepler, NULL), TVI_OK);
+    ck_assert_int_eq(
+        (is_reversible ? tvi_system_rescaled_reversible : tvi_system_rescaled)(&rescaled, base, kepler_scale, NULL),
+        TVI_OK);
+    tvi_system_free(base);
+    run r = open_run(rescaled, NULL, 0, &start);
+    ck_assert_msg(tvi_integrate_to(r.integrator, h, t_end, &r.x.t, r.x.q, r.x.p, NULL, NULL) == TVI_OK, "%s",
+                  tvi_last_error());
+    ck_assert(r.x.t == t_end);
+    ck_assert_double_le(hypot(r.x.q[0] - x[0], r.x.q[1] - x[1]), 1e-5 * fabs(t_end)); /* h is large there */
+    close_run(&r);
+}
+END_TEST
+
+/* A step that fails for another reason still fails, with its own text and state: a fall into the centre. */
+START_TEST(parts_do_not_hide_a_failure)
+{
+    const state start = {0, {1, 0}, {0, 0}};
+    run r = open_run(rescaled_system(2, NULL, kepler, kepler_scale), NULL, 0, &start);
+    long steps = 0;
+    const tvi_status status =
+        tvi_integrate_to(r.integrator, 0.3, 10, &r.x.t, r.x.q, r.x.p, count_steps_to_failure, &steps);
+    ck_assert_int_ne(status, TVI_OK);
+    ck_assert_double_lt(r.x.t, 1.2);
+    ck_assert_int_eq(steps, tvi_integrator_stats(r.integrator)->steps);
     close_run(&r);
 }
 END_TEST
@@ -281,6 +330,8 @@ Suite *suite_times(void)
     TCase *tests = tcase_create("times"), *between = tcase_create("between steps");
     tcase_add_loop_test(tests, states_at_times, 0, 2);
     tcase_add_test(tests, ends_at_a_time);
+    tcase_add_loop_test(tests, escaping_orbits_reach_a_time, 0, 16);
+    tcase_add_test(tests, parts_do_not_hide_a_failure);
     tcase_add_test(tests, arguments_of_a_run_to_a_time);
     tcase_add_test(tests, ends_at_a_time_of_equal_steps);
     tcase_add_loop_test(tests, events_at_times, 0, 2);

@@ -50,9 +50,9 @@ class Stats(NamedTuple):
     residual: float
     tail: float
     largest_tail: float
+    largest_defect: float
     bytes: int
     is_compiled: bool
-    largest_defect: float
 
 
 def stats_of(stats: Any) -> Stats:

@@ -29,10 +29,9 @@ typedef struct { const char *compiler, *flags, *cache; } tvi_compiler;
 
 typedef struct {
     long steps, passes, expansions, force_evaluations, factorisations;
-    double residual, tail, largest_tail;
+    double residual, tail, largest_tail, largest_defect;
     size_t bytes;
     bool is_compiled;
-    double largest_defect;
 } tvi_stats;
 
 typedef int tvi_ensemble_observer(long step, int members, const double t[], const double q[], const double p[],

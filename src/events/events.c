@@ -1,4 +1,4 @@
-/* run.c - Opens the search for the events of a run, finds the events of each step in the order of time, and ends the
+/* events.c - Opens the search for the events of a run, finds the events of each step in the order of time, and ends the
  * run at one of them (events.h). */
 #include "events/events.h"
 #include "algebra/sizes.h"
