@@ -282,7 +282,7 @@ static tvi_status refuse_by_energy_change(tvi_integrator *it)
     tvi_set_step_end(it);
     const double energy_after = energy_or_nonfinite(it, it->guard.end.q, it->guard.end.p);
     return does_energy_change_too_much(it, energy_after)
-               ? jet_refuse(TVI_ETOOLARGE, "it changes the energy by what no step does")
+               ? jet_refuse(TVI_ETOOLARGE, "it changes the energy by more than 5 %% (max_tail < 0 accepts it)")
                : TVI_OK;
 }
 

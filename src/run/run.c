@@ -92,6 +92,10 @@ static tvi_status make_steps_of_size_h(run_in_progress *running, double *t, doub
     return tvi_make_steps(running->integrator, steps, 0, plan->h, tvi_infinite_end_time(plan->h), t, q, p);
 }
 
+/* Parts shrink as the distance from where t is infinite does: if so many of one size lead no nearer, there is another
+ * reason for the failure. */
+enum { MOST_PARTS = 16 };
+
 /* Finds the parts h/2, ..., h/4, ... of a step in s that failed, one after the other from the start of the step, which
  * lead past t_end. Along an orbit that escapes, t is infinite at a finite s, so that the step that would pass t_end has
  * no solution, and parts of it have one. A second integrator tries them; a part is made if its error, the square of the
@@ -118,7 +122,7 @@ static tvi_status find_parts_to_t_end(run_in_progress *running, bool *is_found)
             k++;
             continue;
         }
-        running->part_count[k]++;
+        if (++running->part_count[k] > MOST_PARTS) break;
         part += ldexp(1, -k);
         *is_found = (remaining_time_to(trial, t_end) > 0) != (h > 0);
     }
