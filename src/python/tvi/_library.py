@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import threading
 from pathlib import Path
 from typing import Any, Callable
@@ -194,10 +195,15 @@ def apart(call: Callable[[], Any], guard: "Guard | None" = None) -> Any:
     if threading.current_thread() is not threading.main_thread():
         return call()
     thread = threading.Thread(target=run, name="tvi")
+    # A signal while the thread starts would leave the call to itself: it waits until its end is waited for, too.
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())
     thread.start()
-    while not ended.is_set():  # An interrupted Thread.join loses the thread.
+    is_ended = False
+    while not is_ended:
         try:
-            ended.wait()
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+            ended.wait()  # An interrupted Thread.join loses the thread.
+            is_ended = True
         except BaseException as error:
             if guard is None:
                 raise
