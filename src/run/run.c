@@ -1,5 +1,6 @@
 /* run.c - Runs an integrator by a plan: makes step after step, and reports what lies in each (run.h). The functions
  * tvi_integrate... and tvi_step_tangent are runs by plans that they make. */
+#include "run/end.h"
 #include "run/plan.h"
 #include "run/times.h"
 #include "system/refuse.h"
@@ -7,7 +8,6 @@
 #include <float.h>
 #include <limits.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* [steps] A run fails after this many consecutive steps that hardly move its time. */
@@ -24,46 +24,6 @@ int tvi_call_observer(tvi_integrator *it, tvi_observer *observer, long step, dou
 
 void tvi_end_observer_call(tvi_integrator **it) { (*it)->is_in_observer = false; }
 
-/* ---- The end of a run -------------------------------------------------------------------------------------------- */
-
-/* Returns the remaining time t_end - t, with the low-order part of the time t. */
-static double remaining_time_to(const tvi_integrator *it, double t_end)
-{
-    const int n = it->system->n;
-    return (t_end - it->state.q[n]) - it->state.q_low[n];
-}
-
-/* Returns the roundoff of a remaining time: two units of the larger time, of which the user has rounded both. Far from
- * t = 0 these may be many steps, and the low-order part of the time still counts steps exactly: a remaining time is
- * roundoff only if it is also a small part of h, which the state is then not moved by. */
-static double end_time_roundoff(double t, double t_end, double h)
-{
-    return fmin(2 * DBL_EPSILON * fmax(fabs(t_end), fabs(t)), 0x1p-10 * fabs(h));
-}
-
-/* Sets the time to t_end, from which it differs by roundoff alone. The difference is kept in the low-order part of the
- * time. */
-static void set_time_to_t_end(tvi_integrator *it, double t_end, double *t)
-{
-    const int n = it->system->n;
-    it->state.q_low[n] += it->state.q[n] - t_end;
-    it->state.q[n] = *t = t_end;
-}
-
-/* Replaces a step of a rescaled system that went past t_end by a shorter step from the same start that ends at
- * t_end. */
-static tvi_status shorten_step_to_end_time(tvi_integrator *it, double t_end, double *t, double q[], double p[])
-{
-    tvi_partial_step partial_step;
-    const tvi_status opened = tvi_partial_step_open(&partial_step, it, false);
-    tvi_status status = opened == TVI_OK ? tvi_partial_step_to_time(&partial_step, t_end) : opened;
-    tvi_integrator_undo_step(it, t, q, p);
-    if (status == TVI_OK && partial_step.stored_state_offset != 0)
-        status = tvi_step(it, partial_step.stored_state_offset, t, q, p);
-    if (opened == TVI_OK) tvi_partial_step_close(&partial_step);
-    return status;
-}
-
 /* ---- The steps of a run ------------------------------------------------------------------------------------------ */
 
 /* A run whose arguments have been checked: its integrator, its plan, the objects that report its given times and its
@@ -78,8 +38,7 @@ typedef struct {
     long step_count;           /* the number of steps that the run has made */
     long slow_step_count;      /* the number of steps since the last one that has moved the time */
     bool is_at_end;            /* true if the run ends with the steps that were made */
-    /* [k] how many steps of h / 2^k the run makes in the place of a step of size h, in the order of k */
-    int part_count[DBL_MANT_DIG];
+    tvi_step_parts parts;      /* the steps that the run makes in the place of a step in s that has failed */
 } run_in_progress;
 
 /* Makes the next steps of a run that ends after a number of steps, or after the last of the given times. */
@@ -92,65 +51,27 @@ static tvi_status make_steps_of_size_h(run_in_progress *running, double *t, doub
     return tvi_make_steps(running->integrator, steps, 0, plan->h, tvi_infinite_end_time(plan->h), t, q, p);
 }
 
-/* Parts shrink as the distance from where t is infinite does: if so many of one size lead no nearer, there is another
- * reason for the failure. */
-enum { MOST_PARTS = 16 };
-
-/* Finds the parts h/2, ..., h/4, ... of a step in s that failed, one after the other from the start of the step, which
- * lead past t_end. Along an orbit that escapes, t is infinite at a finite s, so that the step that would pass t_end has
- * no solution, and parts of it have one. A second integrator tries them; a part is made if its error, the square of the
- * tail (tvi_stepper.is_superconvergent), is roundoff. *is_found tells whether t_end is reached. */
-static tvi_status find_parts_to_t_end(run_in_progress *running, bool *is_found)
+/* Ends the run if its last step has reached t_end, from which `left` is left. A step in s that passed t_end is replaced
+ * by a shorter one. */
+static tvi_status end_if_reached(run_in_progress *running, double left, double roundoff, double *t, double q[],
+                                 double p[])
 {
-    const tvi_integrator *it = running->integrator;
-    const double h = running->plan->h, t_end = running->plan->t_end;
-    const size_t n = (size_t)it->system->n;
-    tvi_integrator *trial = NULL;
-    double *q = malloc(2 * n * sizeof *q), *p = q + n, t, part = 0;
-    const tvi_status status = q ? tvi_integrator_create_like(&trial, it) : TVI_ENOMEM;
-    *is_found = false;
-    memset(running->part_count, 0, sizeof running->part_count);
-    if (status == TVI_OK) {
-        tvi_arena_copy_history(trial->history.now, it->history.now, it->history.bytes);
-        tvi_integrator_copy_state(it, &t, q, p);
-    }
-    for (int k = 1; status == TVI_OK && k < DBL_MANT_DIG && part < 1 && !*is_found;) {
-        const bool is_made = tvi_step(trial, ldexp(h, -k), &t, q, p) == TVI_OK;
-        const bool is_right = is_made && trial->stats.tail * trial->stats.tail <= DBL_EPSILON;
-        if (is_made && !is_right) tvi_integrator_undo_step(trial, &t, q, p);
-        if (!is_right) {
-            k++;
-            continue;
-        }
-        if (++running->part_count[k] > MOST_PARTS) break;
-        part += ldexp(1, -k);
-        *is_found = (remaining_time_to(trial, t_end) > 0) != (h > 0);
-    }
-    tvi_integrator_free(trial);
-    free(q);
+    tvi_integrator *it = running->integrator;
+    const double t_end = running->plan->t_end;
+    running->is_at_end = fabs(left) <= roundoff || (left > 0) != (running->plan->h > 0);
+    if (!running->is_at_end) return TVI_OK;
+    const tvi_status status = fabs(left) > roundoff ? tvi_shorten_step_to_time(it, t_end, t, q, p) : TVI_OK;
+    if (status == TVI_OK) tvi_set_time(it, t_end, t);
     return status;
-}
-
-/* Returns the k of the next one of the parts h / 2^k, or 0 if there is none. */
-static int next_part(const run_in_progress *running)
-{
-    for (int k = 1; k < DBL_MANT_DIG; k++)
-        if (running->part_count[k] > 0) return k;
-    return 0;
 }
 
 /* Makes the next one of the parts of a step, each of which is a step to an observer. */
 static tvi_status make_next_part(run_in_progress *running, double *t, double q[], double p[])
 {
     tvi_integrator *it = running->integrator;
-    const int k = next_part(running);
-    const double h = running->plan->h, t_end = running->plan->t_end;
-    running->part_count[k]--;
-    tvi_status status = tvi_step(it, ldexp(h, -k), t, q, p);
-    running->is_at_end = (remaining_time_to(it, t_end) > 0) != (h > 0);
-    if (status == TVI_OK && running->is_at_end) status = shorten_step_to_end_time(it, t_end, t, q, p);
-    if (status == TVI_OK && running->is_at_end) set_time_to_t_end(it, t_end, t);
-    return status;
+    const double h = running->plan->h, t_end = running->plan->t_end, roundoff = tvi_time_roundoff(*t, t_end, h);
+    const tvi_status status = tvi_step(it, tvi_parts_take(&running->parts, h), t, q, p);
+    return status == TVI_OK ? end_if_reached(running, tvi_remaining_time(it, t_end), roundoff, t, q, p) : status;
 }
 
 /* Replaces the step in s that has failed with this status by parts of it that lead to t_end, and makes the first one.
@@ -160,7 +81,8 @@ static tvi_status make_parts_instead(run_in_progress *running, tvi_status failur
     char text[256];
     bool is_found;
     (void)jet_format(text, sizeof text, "%s", jet_last_refusal_text());
-    const tvi_status status = find_parts_to_t_end(running, &is_found);
+    const tvi_status status =
+        tvi_parts_find(&running->parts, running->integrator, running->plan->h, running->plan->t_end, &is_found);
     if (status != TVI_OK) return jet_explain_out_of_memory(status);
     return is_found ? make_next_part(running, t, q, p) : jet_refuse(failure, "%s", text);
 }
@@ -171,21 +93,17 @@ static tvi_status make_parts_instead(run_in_progress *running, tvi_status failur
 static tvi_status make_steps_to_t_end(run_in_progress *running, double *t, double q[], double p[])
 {
     tvi_integrator *it = running->integrator;
-    const double h = running->plan->h, t_end = running->plan->t_end, remaining = remaining_time_to(it, t_end);
-    const double roundoff = end_time_roundoff(*t, t_end, h);
-    if (next_part(running) != 0) return make_next_part(running, t, q, p);
+    const double h = running->plan->h, t_end = running->plan->t_end, remaining = tvi_remaining_time(it, t_end);
+    const double roundoff = tvi_time_roundoff(*t, t_end, h);
+    if (tvi_parts_are_left(&running->parts)) return make_next_part(running, t, q, p);
     const bool is_last = !tvi_is_rescaled(it) && fabs(remaining) <= fabs(h) + roundoff;
     const double whole = tvi_is_rescaled(it) ? INFINITY : fmax(floor(fabs(remaining / h)) - 1, 1);
     const long steps = (long)fmin(whole, (double)running->most_steps_per_call);
-    tvi_status status = is_last ? tvi_step(it, copysign(fmin(fabs(h), fabs(remaining)), h), t, q, p)
-                                : tvi_make_steps(it, steps, 0, h, t_end - copysign(roundoff, h), t, q, p);
+    const tvi_status status = is_last ? tvi_step(it, copysign(fmin(fabs(h), fabs(remaining)), h), t, q, p)
+                                      : tvi_make_steps(it, steps, 0, h, t_end - copysign(roundoff, h), t, q, p);
     if (tvi_is_failure_of_member(status) && tvi_is_rescaled(it)) return make_parts_instead(running, status, t, q, p);
-    const double left = is_last ? 0 : remaining_time_to(it, t_end);
-    running->is_at_end = fabs(left) <= roundoff || (left > 0) != (h > 0);
-    if (status == TVI_OK && running->is_at_end && fabs(left) > roundoff)
-        status = shorten_step_to_end_time(it, t_end, t, q, p);
-    if (status == TVI_OK && running->is_at_end) set_time_to_t_end(it, t_end, t);
-    return status;
+    if (status != TVI_OK) return status;
+    return end_if_reached(running, is_last ? 0 : tvi_remaining_time(it, t_end), roundoff, t, q, p);
 }
 
 /* Makes one step whose size keeps the local error within the tolerance, no farther than t_end and no larger than the
@@ -193,7 +111,7 @@ static tvi_status make_steps_to_t_end(run_in_progress *running, double *t, doubl
 static tvi_status make_step_by_tolerance(run_in_progress *running, double *t, double q[], double p[])
 {
     tvi_integrator *it = running->integrator;
-    const double t_end = running->plan->t_end, rest = remaining_time_to(it, t_end);
+    const double t_end = running->plan->t_end, rest = tvi_remaining_time(it, t_end);
     const double largest = running->plan->largest_step;
     const double roundoff = 2 * DBL_EPSILON * fmax(fabs(t_end), fabs(*t));
     const bool is_limited = largest > 0 && fabs(rest) > largest + roundoff;
@@ -201,7 +119,7 @@ static tvi_status make_step_by_tolerance(run_in_progress *running, double *t, do
     const tvi_status status =
         tvi_make_steps(it, 1, running->plan->tolerance, farthest, tvi_infinite_end_time(farthest), t, q, p);
     running->is_at_end = status == TVI_OK && (it->last_step.h == rest || *t == t_end);
-    if (running->is_at_end) set_time_to_t_end(it, t_end, t);
+    if (running->is_at_end) tvi_set_time(it, t_end, t);
     return status;
 }
 
@@ -228,7 +146,7 @@ static tvi_status check_time_advances(run_in_progress *running, long steps)
 {
     const tvi_integrator *it = running->integrator;
     const tvi_run_plan *plan = running->plan;
-    const double left = remaining_time_to(
+    const double left = tvi_remaining_time(
         it, plan->time_count > 0 && !plan->has_t_end ? plan->times[plan->time_count - 1] : plan->t_end);
     const bool is_slow = fabs(it->last_step.covered_time) < DBL_EPSILON / 2 * fabs(left);
     running->slow_step_count = is_slow ? running->slow_step_count + steps : 0;
@@ -374,10 +292,10 @@ static tvi_status check_direction(const tvi_run_plan *plan, double t)
     return jet_refuse(TVI_EINVAL, "h = %g does not go from t = %g to t_end = %g", plan->h, t, plan->t_end);
 }
 
-/* Tells whether the plan asks for no step from the time t. */
-static bool is_run_empty(const tvi_run_plan *plan, double t)
+/* Tells whether the plan ends at the time t, without a step. */
+static bool ends_at(const tvi_run_plan *plan, double t)
 {
-    if (plan->has_t_end || plan->tolerance > 0) return t == plan->t_end && plan->time_count == 0;
+    if (plan->has_t_end || plan->tolerance > 0) return t == plan->t_end;
     return plan->time_count == 0 && plan->steps == 0;
 }
 
@@ -393,18 +311,19 @@ tvi_status tvi_run_integrator(tvi_integrator *it, const tvi_single_run *run, dou
                                .most_steps_per_call = needs_each_step   ? 1
                                                       : plan->has_t_end ? RUN_MAX_SLOW_STEPS
                                                                         : LONG_MAX,
-                               .is_at_end = (plan->has_t_end || plan->tolerance > 0) && *t == plan->t_end};
+                               .is_at_end = ends_at(plan, *t)};
+    const bool has_steps = !running.is_at_end || plan->time_count > 0;
     bool continues_last_step = false;
     tvi_status status = check_direction(plan, *t);
     if (status == TVI_OK && plan->time_count > 0) status = tvi_times_check(it, run, *t, q, p, &continues_last_step);
     if (status == TVI_OK && run->columns.elements) status = tvi_integrator_allocate_tangents(it, run->columns.count);
     if (status == TVI_OK && run->columns.elements) status = tvi_columns_check_finite(it, &run->columns);
-    if (status == TVI_OK && (it->is_in_observer || !is_run_empty(plan, *t)))
+    if (status == TVI_OK && (it->is_in_observer || has_steps))
         status = tvi_integrator_begin_step(it, *t, q, p);
-    if (status != TVI_OK || is_run_empty(plan, *t)) return status;
+    if (status != TVI_OK || !has_steps) return status;
     /* The low-order part of the time may already have led to t_end. */
-    if (plan->has_t_end && remaining_time_to(it, plan->t_end) == 0) {
-        set_time_to_t_end(it, plan->t_end, t);
+    if (plan->has_t_end && tvi_remaining_time(it, plan->t_end) == 0) {
+        tvi_set_time(it, plan->t_end, t);
         running.is_at_end = true;
     }
     tvi_columns_store_run_start(it, &run->columns);
