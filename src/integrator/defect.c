@@ -12,21 +12,14 @@
  * nothing is felt is right to that part, whatever the defect is. */
 static const double LEAST_EFFECT = 1e-3;
 
-/* Evaluates p' at q and p, arrays as in a tvi_run_state, by the variable of the steps. Returns false where the field
- * has no value. */
+/* Evaluates p' at q and p, arrays as in a tvi_run_state, by the variable of the steps. Returns false if it is not
+ * finite. */
 static bool compute_true_forces(tvi_integrator *it, const double *q, const double *p, double *force)
 {
     const tvi_system *system = it->stepped;
-    const jet_tape *tape = system->field_values;
-    const int n = system->n;
-    memcpy(it->guard.field_block, q, (size_t)n * sizeof *q);
-    if (system->form != TVI_SEPARABLE) memcpy(it->guard.field_block + n, p, (size_t)n * sizeof *p);
-    tvi_system_write_time(system, it->guard.field_block, 1, &q[n]);
-    if (!tape->interpreter_sweeps->values(tape, it->guard.field_block, 1)) return false;
-    for (int i = 0; i < n; i++) {
-        const double out = it->guard.field_block[tape->output_slot[i]];
-        force[i] = system->form == TVI_SEPARABLE ? out : -out;
-    }
+    const double sign = system->form == TVI_SEPARABLE ? 1 : -1;
+    if (!tvi_integrator_compute_field(it, q, p)) return false;
+    for (int i = 0; i < system->n; i++) force[i] = sign * it->guard.field_block[system->field_values->output_slot[i]];
     return true;
 }
 
@@ -37,9 +30,6 @@ typedef struct {
     double largest_mass;
     bool attract; /* each other; otherwise each is alone in a given field */
 } step_bodies;
-
-/* A test particle has 1e-30 of the largest mass. */
-static const double LARGEST_TEST_MASS = 1e-25;
 
 static double squared_distance(const step_bodies *bodies, const double *q, int a, int b)
 {
@@ -55,7 +45,7 @@ static double squared_distance(const step_bodies *bodies, const double *q, int a
 static bool attract(const step_bodies *bodies, int a, int b)
 {
     const double larger = fmax(bodies->mass[a * bodies->axes], bodies->mass[b * bodies->axes]);
-    return bodies->attract && a != b && larger > LARGEST_TEST_MASS * bodies->largest_mass;
+    return bodies->attract && a != b && larger > 2 * TVI_TEST_MASS * bodies->largest_mass;
 }
 
 /* Returns the body that is nearest to body a of those that attract it, or -1 if there is none. */
@@ -117,13 +107,12 @@ static double squared_movement(const tvi_integrator *it, const step_bodies *bodi
 
 double tvi_defect_of_bodies(tvi_integrator *it)
 {
+    if (!it->guard.curve_forces) return 0;
     const tvi_system *system = it->system;
-    const int n = it->stepped->n;
     const int axes = system->axes < 0 ? -system->axes : system->axes;
-    const step_bodies bodies = {axes > 0 ? system->n / axes : 0, axes, system->mass,
-                                tvi_largest_magnitude(system->n, system->mass, 1), system->axes > 0};
-    double *at_end = it->guard.curve_forces + n * TVI_FORCE_POINTS, largest = 0;
-    if (bodies.count == 0 || !it->guard.curve_forces) return 0;
+    const step_bodies bodies = {system->n / axes, axes, system->mass, tvi_largest_magnitude(system->n, system->mass, 1),
+                                system->axes > 0};
+    double *at_end = it->guard.curve_forces + it->stepped->n * TVI_FORCE_POINTS, largest = 0;
     const int points = it->stepper->compute_curve_forces(it->work, it->guard.curve_forces);
     const double *const p[] = {it->state.p, it->guard.end.p}, *const q[] = {it->state.q, it->guard.end.q};
     const double h_times_dt = fabs(it->last_step.h * it->last_step.increments.dq[system->n]);

@@ -27,7 +27,7 @@
 #define GUARD_UNCHECKED_SERIES_PASSES 4 /* found: make stability */
 /* [1] A step of bodies may have this defect. Of 160,000 steps of a planet of one star of a pair, up to half a period,
  * those that are right to 1e-3 of its distance have at most 0.22, and those that are wrong by a third at least 0.36. */
-#define GUARD_MAX_DEFECT 0.28 /* found: make check-bodies, suite defect */
+#define GUARD_MAX_DEFECT 0.28 /* found: make check-thorough, suite defect */
 /* [nodes] Fewer nodes than this show no defect: their polynomial is no estimate of the forces at the ends. */
 #define GUARD_DEFECT_MIN_NODES 4 /* found: make check-bodies, suite defect */
 /* [1] A change of the energy is roundoff if it is below this part of |H| plus the sum of |q dp/dt| and |p dq/dt|. */

@@ -18,7 +18,8 @@ TVI_NODISCARD tvi_status tvi_refuse_too_large_step(tvi_integrator *integrator, b
 void tvi_set_step_end(tvi_integrator *integrator);
 
 /* Returns the largest defect of the bodies of a step (defect.c), or 0 if the system is not known to be of bodies, or
- * the stepper has no nodes. INFINITY: the forces have no value at an end of the step. */
+ * the stepper has no nodes. INFINITY: the forces have no finite value at an end of the
+ * step. */
 double tvi_defect_of_bodies(tvi_integrator *integrator);
 
 #endif

@@ -107,21 +107,18 @@ void tvi_integrator_compute_curve(tvi_integrator *it, double h)
 
 /* ---- Checks of the new state ------------------------------------------------------------------------------------- */
 
-/* Tells whether the forces, or the derivatives of the Lagrangian or Hamiltonian, are finite at the start of the step. A
- * Lagrangian is evaluated at velocity 0. */
-static bool is_field_finite_at_start(tvi_integrator *it)
+bool tvi_integrator_compute_field(tvi_integrator *it, const double *q, const double *p)
 {
     const tvi_system *system = it->stepped;
     const jet_tape *tape = system->field_values;
+    double *block = it->guard.field_block;
     const int n = system->n;
-    memcpy(it->guard.field_block, it->state.q, (size_t)n * sizeof *it->guard.field_block);
-    for (int i = n; i < system->input_count; i++) it->guard.field_block[i] = 0;
-    if (system->form == TVI_HAMILTONIAN || system->form == TVI_FIELD)
-        memcpy(it->guard.field_block + n, it->state.p, (size_t)n * sizeof *it->guard.field_block);
-    tvi_system_write_time(system, it->guard.field_block, 1, &it->state.q[n]);
-    bool is_finite = tape->interpreter_sweeps->values(tape, it->guard.field_block, 1);
-    for (int i = 0; i < tape->output_count; i++)
-        is_finite = is_finite && isfinite(it->guard.field_block[tape->output_slot[i]]);
+    memcpy(block, q, (size_t)n * sizeof *block);
+    for (int i = n; i < system->input_count; i++) block[i] = 0;
+    if (system->form == TVI_HAMILTONIAN || system->form == TVI_FIELD) memcpy(block + n, p, (size_t)n * sizeof *block);
+    tvi_system_write_time(system, block, 1, &q[n]);
+    bool is_finite = tape->interpreter_sweeps->values(tape, block, 1);
+    for (int i = 0; i < tape->output_count; i++) is_finite = is_finite && isfinite(block[tape->output_slot[i]]);
     return is_finite;
 }
 
@@ -129,7 +126,7 @@ static bool is_field_finite_at_start(tvi_integrator *it)
  * step, so that the step is too large, and otherwise TVI_ENONFINITE. */
 static tvi_status status_of_nonfinite_result(tvi_integrator *it)
 {
-    return is_field_finite_at_start(it) ? TVI_ETOOLARGE : TVI_ENONFINITE;
+    return tvi_integrator_compute_field(it, it->state.q, it->state.p) ? TVI_ETOOLARGE : TVI_ENONFINITE;
 }
 
 /* Completes the error text after the stepper has failed with this status, and returns the status of the step. */

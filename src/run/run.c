@@ -318,8 +318,7 @@ tvi_status tvi_run_integrator(tvi_integrator *it, const tvi_single_run *run, dou
     if (status == TVI_OK && plan->time_count > 0) status = tvi_times_check(it, run, *t, q, p, &continues_last_step);
     if (status == TVI_OK && run->columns.elements) status = tvi_integrator_allocate_tangents(it, run->columns.count);
     if (status == TVI_OK && run->columns.elements) status = tvi_columns_check_finite(it, &run->columns);
-    if (status == TVI_OK && (it->is_in_observer || has_steps))
-        status = tvi_integrator_begin_step(it, *t, q, p);
+    if (status == TVI_OK && (it->is_in_observer || has_steps)) status = tvi_integrator_begin_step(it, *t, q, p);
     if (status != TVI_OK || !has_steps) return status;
     /* The low-order part of the time may already have led to t_end. */
     if (plan->has_t_end && tvi_remaining_time(it, plan->t_end) == 0) {

@@ -1,6 +1,7 @@
 /* bodies.c - Records the gravity of bodies and its time scale, and computes masses, momenta, the centre of mass and the
  * angular momentum of bodies (include/tvi_bodies.h, docs/bodies.md). */
 #include "refusal.h"
+#include "system/system.h"
 #include "tvi_bodies.h"
 
 /* ---- Which bodies are refused ------------------------------------------------------------------------------------ */
@@ -10,7 +11,7 @@ static double mass_of(const tvi_bodies *b, int i)
 {
     double most = 0;
     for (int j = 0; j < b->bodies && b->mass[i] == 0; j++) most = fmax(most, b->mass[j]);
-    return b->mass[i] == 0 ? 1e-30 * most : b->mass[i];
+    return b->mass[i] == 0 ? TVI_TEST_MASS * most : b->mass[i];
 }
 
 static tvi_status refuse_counts(const tvi_bodies *b)
@@ -32,10 +33,10 @@ static tvi_status refuse_masses(const tvi_bodies *b)
         most = fmax(most, b->mass[i]);
     }
     if (most == 0) return jet_refuse(TVI_EINVAL, "all masses are 0: at least one body has a mass");
-    for (int i = 0; i < b->bodies && 1e-30 * most == 0; i++)
+    for (int i = 0; i < b->bodies && TVI_TEST_MASS * most == 0; i++)
         if (b->mass[i] == 0)
-            return jet_refuse(TVI_EINVAL,
-                              "mass[%d] = 0 stands for 1e-30 of the largest mass, %g: choose a smaller unit", i, most);
+            return jet_refuse(TVI_EINVAL, "mass[%d] = 0 stands for %g of the largest mass, %g: choose a smaller unit",
+                              i, TVI_TEST_MASS, most);
     return TVI_OK;
 }
 

@@ -16,6 +16,9 @@ typedef enum {
     TVI_FIELD        /* q' = a(q, p, t), p' = b(q, p, t), rates that need come from no H */
 } tvi_form;
 
+/* A body of mass 0 has this part of the largest mass (tvi_bodies.h). */
+#define TVI_TEST_MASS 1e-30
+
 /* The row and column of a second derivative: the numbers of two inputs, row >= column. */
 typedef struct {
     int row, column;
