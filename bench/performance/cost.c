@@ -10,8 +10,7 @@ static const int bodies[] = {3, 4, 5, 6, 8, 10, 15, 20, 30, 40};
 static const int degrees[] = {2, 3, 4, 6, 8, 10, 12, 16, 20, 25, 30};
 enum { BODIES = sizeof bodies / sizeof *bodies, DEGREES = sizeof degrees / sizeof *degrees, DEGREE = 8 };
 
-/* ---- The choice of the Jacobians ------------------------------------------------------------------------------------
- */
+/* ---- The choice of the Jacobians --------------------------------------------------------------------------------- */
 
 static tvi_jacobians forced = TVI_NO_JACOBIANS; /* TVI_NO_JACOBIANS: the library chooses. */
 
@@ -22,8 +21,7 @@ tvi_jacobians __wrap_tvi_curve_choose_jacobians(const tvi_system *system)
     return forced == TVI_NO_JACOBIANS ? __real_tvi_curve_choose_jacobians(system) : forced;
 }
 
-/* ---- Measurements ---------------------------------------------------------------------------------------------------
- */
+/* ---- Measurements ------------------------------------------------------------------------------------------------ */
 
 typedef struct {
     double matrices, products, expansion; /* us of a step; of one plain expansion */
@@ -57,8 +55,7 @@ static cost measure(const big_system *b, int N)
     return found;
 }
 
-/* ---- Tables ---------------------------------------------------------------------------------------------------------
- */
+/* ---- Tables ------------------------------------------------------------------------------------------------------ */
 
 static void write_row(FILE *table, const cost *c)
 {

@@ -211,9 +211,8 @@ tvi_status tvi_watched_is_zero(tvi_watched_event *w, double g, const double stat
 }
 
 /* Sets *is_at_stop: true if the root lies at the root `stop`, where the run stops. This is so if the times are equal
- * up to the roundoff of both.
- * It is also so if the two theta differ by less than EVENT_NEAR_STOP and the sign of g at the stop contradicts their
- * order. */
+ * up to the roundoff of both, or if the two theta differ by less than EVENT_NEAR_STOP and the sign of g at the stop
+ * contradicts their order. */
 static tvi_status check_root_at_stop(const tvi_event_root *root, const tvi_event_root *stop, bool *is_at_stop)
 {
     const int time = root->watched->search->state_size - 1;

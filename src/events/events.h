@@ -122,8 +122,7 @@ static inline bool tvi_has_sign_after_root(const tvi_event_root *root, double g)
     return root->g_sign_after > 0 ? g >= 0 : g <= 0;
 }
 
-/* ---- events.c
- * ------------------------------------------------------------------------------------------------------- */
+/* ---- events.c ---------------------------------------------------------------------------------------------------- */
 
 /* Opens a search for the events of a run that begins at the time t with q = start_state[0] and p = start_state[1]. On
  * failure *out is NULL. */

@@ -111,10 +111,10 @@ static tvi_status move_bracket_to_root(const tvi_event_search *search, tvi_sign_
  * step that is no farther than half an interval between samples. */
 static tvi_status find_root_on_line(tvi_event_search *search, double *distance)
 {
-    const double farthest = tvi_sample_theta[0] / 2, theta = search->line.last.theta;
-    const double least = fmax(-theta, -farthest), largest = fmin(1 - theta, farthest);
-    const double secant =
-        -search->line.last.g * (theta - search->line.before.theta) / (search->line.last.g - search->line.before.g);
+    const tvi_accurate_state *before = &search->line.before, *last = &search->line.last;
+    const double farthest = tvi_sample_theta[0] / 2;
+    const double least = fmax(-last->theta, -farthest), largest = fmin(1 - last->theta, farthest);
+    const double secant = -last->g * (last->theta - before->theta) / (last->g - before->g);
     bool has_root;
     *distance = fabs(secant) <= farthest ? secant : 0;
     tvi_sign_bracket bracket = {.left = tvi_clamp(least, *distance - LEAST_DISTANCE, largest),
@@ -141,25 +141,23 @@ static tvi_status begin_line(tvi_event_search *search)
 {
     const tvi_event_root *root = search->sought;
     const double guess = root->theta_guess;
+    tvi_accurate_state *before = &search->line.before, *last = &search->line.last;
     double g = 0;
     tvi_sign_bracket bracket = root->bracket;
     tvi_status status = TVI_OK;
-    if (!search->line.is_before_on_curve &&
-        fabs(search->line.last.theta - search->line.before.theta) >= FIRST_DISTANCE &&
-        is_near(search, guess, search->line.before.theta) && is_near(search, guess, search->line.last.theta)) {
-        status = tvi_watched_evaluate(search->sought->watched, search->line.before.x, &search->line.before.g);
-        return status == TVI_OK
-                   ? tvi_watched_evaluate(search->sought->watched, search->line.last.x, &search->line.last.g)
-                   : status;
+    if (!search->line.is_before_on_curve && fabs(last->theta - before->theta) >= FIRST_DISTANCE &&
+        is_near(search, guess, before->theta) && is_near(search, guess, last->theta)) {
+        status = tvi_watched_evaluate(root->watched, before->x, &before->g);
+        return status == TVI_OK ? tvi_watched_evaluate(root->watched, last->x, &last->g) : status;
     }
     if (isfinite(root->slope_guess)) {
         status = add_state(search, guess, &g);
         const double correction = -g / root->slope_guess;
         if (status == TVI_OK && is_near(search, guess + correction, guess)) {
-            const double tail = search->integrator->stats.tail,
-                         slope_error = fmax(tail, fabs(correction) + FIRST_DISTANCE);
+            const double tail = search->integrator->stats.tail, apart = fmax(fabs(correction), FIRST_DISTANCE);
+            const double slope_error = fmax(tail, fabs(correction) + FIRST_DISTANCE);
             if (tail > 0 && slope_error * fabs(correction) <= MOST_ERROR) return set_state_before_by_curve(search);
-            return add_state(search, guess + copysign(fmax(fabs(correction), FIRST_DISTANCE), correction), &g);
+            return add_state(search, guess + copysign(apart, correction), &g);
         }
     }
     if (status == TVI_OK)
@@ -173,13 +171,14 @@ static tvi_status begin_line(tvi_event_search *search)
  * MOST_LINES lines do not reach roundoff. */
 static tvi_status find_root_on_lines(tvi_event_search *search, tvi_event_root *root)
 {
+    const tvi_accurate_state *before = &search->line.before, *last = &search->line.last;
     tvi_status status = begin_line(search);
     for (int k = 0; k < MOST_LINES && status == TVI_OK; k++) {
         double distance, g;
         status = find_root_on_line(search, &distance);
         if (status != TVI_OK || isnan(distance)) return status;
-        const double theta = search->line.last.theta + distance, from_before = theta - search->line.before.theta;
-        const double apart = fmax(fabs(search->line.last.theta - search->line.before.theta), LEAST_DISTANCE);
+        const double theta = last->theta + distance, from_before = theta - before->theta;
+        const double apart = fmax(fabs(last->theta - before->theta), LEAST_DISTANCE);
         if (fabs(distance * from_before) <= MOST_ERROR && fabs(distance) <= apart) {
             root->theta = theta;
             compute_state_on_line(search, distance, root->state);

@@ -126,11 +126,10 @@ static tvi_status zero_start_g_within_roundoff(tvi_watched_event *w, const doubl
  * is evaluated as for samples, so that the values are those of the end of the step before, bit for bit. */
 static tvi_status evaluate_events_at_start(tvi_event_search *search)
 {
-    const int size = search->state_size;
     double *state = search->scratch_state;
     tvi_status status = TVI_OK;
     copy_run_state(search, &search->integrator->last_step.start, state);
-    for (int i = 0; i < size; i++)
+    for (int i = 0; i < search->state_size; i++)
         for (int k = 0; k < TVI_SAMPLES; k++) search->joint_tape_block[i * TVI_SAMPLES + k] = state[i];
     const bool inside = jet_sweep_values(search->joint_tape, search->joint_tape_block, TVI_SAMPLES);
     for (int event_index = 0; event_index < search->event_count && status == TVI_OK; event_index++) {
@@ -261,11 +260,8 @@ static tvi_event_root *add_root(tvi_watched_event *w, int g_sign_after, tvi_even
 {
     if (!tvi_event_reports_sign_change(w->event, g_sign_after)) return NULL;
     tvi_event_root *added = &w->search->roots[w->search->root_count++];
-    *added = (tvi_event_root){.watched = w,
-                              .g_sign_after = g_sign_after,
-                              .bracket = {left.theta, left.g, right.theta, right.g},
-                              .theta_guess = NAN,
-                              .slope_guess = NAN};
+    *added = (tvi_event_root){.watched = w, .g_sign_after = g_sign_after, .theta_guess = NAN, .slope_guess = NAN};
+    added->bracket = (tvi_sign_bracket){left.theta, left.g, right.theta, right.g};
     return added;
 }
 

@@ -69,6 +69,9 @@ jet tvi_record_user_lagrangian(const jet q[], const jet v[], jet t, void *ctx)
     return record_user_function(ctx, q, v, t);
 }
 
+/* What to take where there is no K, by its names in C and Python. */
+#define THE_REVERSIBLE_FORM "the reversible form, tvi_system_rescaled_reversible (rescaled(g, reversible=True))"
+
 /* The request to rescale a system by the time scale g = dt/ds. */
 typedef struct {
     const tvi_system *base;
@@ -125,6 +128,15 @@ static jet record_user_time_scale(const rescaling_request *request, const jet q[
     return g;
 }
 
+/* Records the user's or the automatic g; the user's may be not positive. */
+static jet record_time_scale(const rescaling_request *request, const jet q[], const jet p[])
+{
+    if (request->time_scale) return record_user_time_scale(request, q, p);
+    const int n = request->base->n;
+    const jet H = tvi_record_user_hamiltonian(q, p, q[n], (void *)request->base);
+    return tvi_record_automatic_time_scale(request->base, H);
+}
+
 /* Finds a coordinate whose mass is at most LIGHTEST_MASS of the largest, and on which or on whose momentum g depends. K
  * pushes it by (H + e) g_q / m and (H + e) g_p, where H + e is the truncation error of the heavy ones at the nodes: no
  * step is right that is not as accurate as the light one is light. Returns -1 if there is none. The inputs of the graph
@@ -156,9 +168,7 @@ static void record_factors_of_K(const jet q[], const jet p[], jet s, void *ctx, 
     rescaling_request *request = ctx;
     const int n = request->base->n;
     (void)s;
-    const jet H = tvi_record_user_hamiltonian(q, p, q[n], (void *)request->base);
-    const jet g =
-        request->time_scale ? record_user_time_scale(request, q, p) : tvi_record_automatic_time_scale(request->base, H);
+    const jet H = tvi_record_user_hamiltonian(q, p, q[n], (void *)request->base), g = record_time_scale(request, q, p);
     request->light_coordinate = find_light_coordinate(request->base, g);
     factor[0] = require_positive_scale(g);
     factor[1] = jet_add(H, p[n]);
@@ -201,10 +211,7 @@ static void record_rates_by_s(const jet q[], const jet p[], jet s, void *ctx, je
 {
     const rescaling_request *request = ctx;
     const int n = request->base->n;
-    const jet g = require_positive_scale(
-        request->time_scale ? record_user_time_scale(request, q, p)
-                            : tvi_record_automatic_time_scale(
-                                  request->base, tvi_record_user_hamiltonian(q, p, q[n], (void *)request->base)));
+    const jet g = require_positive_scale(record_time_scale(request, q, p));
     (void)s;
     jet *user_rate = malloc(2 * (size_t)n * sizeof *user_rate);
     const bool recorded = user_rate && record_user_rates(request->base, q, p, q[n], user_rate);
@@ -245,13 +252,11 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
     const char *const unsupported =
         system->stepped_system != system ? "the system is rescaled already"
-        : !system->energy.tape ? "a force has no Hamiltonian: state the potential, or take the reversible form, "
-                                 "tvi_system_rescaled_reversible (rescaled(g, reversible=True))"
-        : system->is_driven    ? "a driven system has no Hamiltonian flow: take fixed steps, or a tolerance, or the "
-                                 "reversible form, tvi_system_rescaled_reversible (rescaled(g, reversible=True))"
+        : !system->energy.tape ? "a force has no Hamiltonian: state the potential, or take " THE_REVERSIBLE_FORM
+        : system->is_driven
+            ? "a driven system has no Hamiltonian flow: take fixed steps, or a tolerance, or " THE_REVERSIBLE_FORM
         : system->form == TVI_LAGRANGIAN
-            ? "state the Hamiltonian instead of the Lagrangian, or take the reversible form, "
-              "tvi_system_rescaled_reversible (rescaled(g, reversible=True))"
+            ? "state the Hamiltonian instead of the Lagrangian, or take " THE_REVERSIBLE_FORM
             : NULL;
     if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
     if (g == tvi_bodies_scale && has_test_particle(ctx)) return tvi_system_rescaled_reversible(out, system, g, ctx);
@@ -265,8 +270,7 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     if (request.light_coordinate >= 0) {
         tvi_system_free(stepped);
         return jet_refuse(TVI_EUNSUPPORTED,
-                          "q[%d] has a mass of %g, too light for K = g (H + e): take the reversible form, "
-                          "tvi_system_rescaled_reversible (rescaled(g, reversible=True))",
+                          "q[%d] has a mass of %g, too light for K = g (H + e): take " THE_REVERSIBLE_FORM,
                           request.light_coordinate, system->mass[request.light_coordinate]);
     }
     return finish_rescaled(out, system, stepped, !g);

@@ -11,8 +11,7 @@
 
 static tvi_options galerkin(int nodes) { return kind_options(&kinds[kind_count], nodes); }
 
-/* ---- Any Hamiltonian: the canonical exchange -----------------------------------------------------------------------
- */
+/* ---- Any Hamiltonian: the canonical exchange --------------------------------------------------------------------- */
 
 /* Collocation does not see a linear canonical change of the variables: Q = p, P = -q, H = sum Q_i^2/(2 m_i) + V(-P). */
 static jet kepler_potential(const jet q[], jet t)
@@ -73,8 +72,7 @@ START_TEST(exchange_of_variables_changes_nothing)
 }
 END_TEST
 
-/* ---- A field whose components are its inputs -----------------------------------------------------------------------
- */
+/* ---- A field whose components are its inputs --------------------------------------------------------------------- */
 
 /* F = (m q_1, m q_0): with m = 1 the coordinates themselves. All else doubles with m, bit for bit. */
 static void saddle(const jet q[], jet t, jet force[], void *ctx)

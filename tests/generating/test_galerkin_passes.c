@@ -28,8 +28,7 @@ START_TEST(energy_does_not_drift)
 }
 END_TEST
 
-/* ---- The predictor and the passes ---------------------------------------------------------------------------------
- */
+/* ---- The predictor and the passes -------------------------------------------------------------------------------- */
 
 /* Kepler from its apocentre, `steps` steps of h and h times ratio in turns. */
 static tvi_stats stats_after(const tvi_options *options, double h, double ratio, bool resets, int steps)
