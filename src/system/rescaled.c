@@ -139,27 +139,22 @@ static jet record_time_scale(const rescaling_request *request, const jet q[], co
 
 /* Finds a coordinate whose mass is at most LIGHTEST_MASS of the largest, and on which or on whose momentum g depends. K
  * pushes it by (H + e) g_q / m and (H + e) g_p, where H + e is the truncation error of the heavy ones at the nodes: no
- * step is right that is not as accurate as the light one is light. Returns -1 if there is none. The inputs of the graph
- * are the coordinates and the time, and then their momenta. */
-static int find_light_coordinate(const tvi_system *base, jet g)
+ * step is right that is not as accurate as the light one is light. *light stays as it is if there is none. The inputs
+ * of the graph are the coordinates and the time, and then their momenta. Returns whether there was memory. */
+static bool find_light_coordinate(const tvi_system *base, jet g, int *light)
 {
     static const double LIGHTEST_MASS = 1e-8;
     const int n = base->n, inputs = 2 * (n + 1);
     jet_graph *graph;
     double largest = 0;
-    int light = -1;
-    if (!base->has_masses || !g.node || jet_is_poison(g) || jet_find_common_graph_or_poison(1, &g, &graph).node)
-        return -1;
+    if (!base->has_masses || !g.node || jet_find_common_graph_or_poison(1, &g, &graph).node) return true;
     bool *used = calloc((size_t)inputs, sizeof *used);
-    if (!used || tvi_system_find_used_inputs(graph, inputs, 1, &g, used) != TVI_OK) {
-        free(used);
-        return -1;
-    }
+    const bool found = used && tvi_system_find_used_inputs(graph, inputs, 1, &g, used) == TVI_OK;
     for (int i = 0; i < n; i++) largest = fmax(largest, base->mass[i]);
-    for (int i = 0; i < n; i++)
-        if ((used[i] || used[n + 1 + i]) && base->mass[i] <= LIGHTEST_MASS * largest) light = i;
+    for (int i = 0; i < n && found; i++)
+        if ((used[i] || used[n + 1 + i]) && base->mass[i] <= LIGHTEST_MASS * largest) *light = i;
     free(used);
-    return light;
+    return found;
 }
 
 /* Records the two factors of K: factor = {g, H + e}. */
@@ -169,8 +164,8 @@ static void record_factors_of_K(const jet q[], const jet p[], jet s, void *ctx, 
     const int n = request->base->n;
     (void)s;
     const jet H = tvi_record_user_hamiltonian(q, p, q[n], (void *)request->base), g = record_time_scale(request, q, p);
-    request->light_coordinate = find_light_coordinate(request->base, g);
-    factor[0] = require_positive_scale(g);
+    const bool found = find_light_coordinate(request->base, g, &request->light_coordinate);
+    factor[0] = found ? require_positive_scale(g) : jet_make_poison(JET_NO_MEMORY);
     factor[1] = jet_add(H, p[n]);
 }
 

@@ -89,16 +89,18 @@ static jet slower_far_away(const jet q[], const jet p[], jet t, void *ctx)
     return jet_add(1, jet_mul(0.5, jet_add(jet_dot(q, q, N), jet_mul(p[0], q[1]))));
 }
 
-/* The light one has the automatic time scale. */
-static tvi_status rescale(tvi_system **out, void *ctx)
+/* A potential rescaled by K, or a Hamiltonian in the reversible form. The light one has the automatic time scale. */
+static tvi_status rescale(statement by, tvi_system **out, void *ctx)
 {
     tvi_system *base;
-    const tvi_status status = tvi_system_potential(&base, N, mass, everything, ctx);
+    tvi_status status = state_everything(by == REVERSIBLE ? HAMILTONIAN : POTENTIAL, &base, ctx);
+    tvi_rescale_fn *g = ctx ? NULL : slower_far_away;
     *out = NULL;
     if (status != TVI_OK) return status;
-    const tvi_status rescaled = tvi_system_rescaled(out, base, ctx ? NULL : slower_far_away, NULL);
+    status =
+        by == REVERSIBLE ? tvi_system_rescaled_reversible(out, base, g, NULL) : tvi_system_rescaled(out, base, g, NULL);
     tvi_system_free(base);
-    return rescaled;
+    return status;
 }
 
 tvi_status state_everything(statement by, tvi_system **out, void *ctx)
@@ -108,7 +110,8 @@ tvi_status state_everything(statement by, tvi_system **out, void *ctx)
     case POTENTIAL: return tvi_system_potential(out, N, mass, everything, ctx);
     case LAGRANGIAN: return tvi_system_lagrangian(out, N, everything_lagrangian, ctx);
     case HAMILTONIAN: return tvi_system_hamiltonian(out, N, everything_hamiltonian, ctx);
-    case RESCALED: return rescale(out, ctx);
+    case RESCALED:
+    case REVERSIBLE: return rescale(by, out, ctx);
     case SEPARABLE_L: return tvi_system_lagrangian(out, N, separable_lagrangian, ctx);
     default: return tvi_system_hamiltonian(out, N, separable_hamiltonian, ctx);
     }
@@ -155,6 +158,7 @@ const way ways[] = {
     {"galerkin", 8, TVI_QUADRATURE_AUTO, 0, false, RESCALED},
     {"right", 4, TVI_QUADRATURE_AUTO, 0, true, RESCALED},
     {"taylor", 5, TVI_QUADRATURE_AUTO, 0, false, RESCALED},
+    {"galerkin", 8, TVI_QUADRATURE_AUTO, 0, false, REVERSIBLE},
 };
 const int way_count = sizeof ways / sizeof *ways;
 

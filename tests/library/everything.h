@@ -10,7 +10,17 @@
 enum { N = 3 }; /* degrees of freedom */
 
 /* The ways to state a problem. */
-typedef enum { FORCE, POTENTIAL, LAGRANGIAN, HAMILTONIAN, SEPARABLE_L, SEPARABLE_H, RESCALED, STATEMENTS } statement;
+typedef enum {
+    FORCE,
+    POTENTIAL,
+    LAGRANGIAN,
+    HAMILTONIAN,
+    SEPARABLE_L,
+    SEPARABLE_H,
+    RESCALED,
+    REVERSIBLE,
+    STATEMENTS
+} statement;
 
 /* A light one has fewer operations, for steps that shall not take long. */
 tvi_status state_everything(statement by, tvi_system **out, void *light);
