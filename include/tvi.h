@@ -139,10 +139,26 @@ typedef void tvi_drive_fn(const jet q[], const jet v[], jet t, jet force[], void
  * *out is NULL on failure. */
 TVI_NODISCARD tvi_status tvi_system_driven(tvi_system **out, const tvi_system *system, tvi_drive_fn *drive, void *ctx);
 
+/* The constraints phi(q, t) = 0: the function sets value[0..m-1]. */
+typedef void tvi_constraint_fn(const jet q[], jet t, jet value[], void *ctx);
+/* Creates the same system on phi = 0, for "galerkin": dp/dt gets the forces of constraint -sum_k lambda_k dphi_k/dq,
+ * whose multipliers lambda the steps find. q and p keep their n numbers, p stays what it was (M v), and tvi_energy, too:
+ * it is kept if phi does not depend on t. 0 < m < n, and each constraint may have a unit of its own; those of bodies far
+ * from the origin are best written in differences. Parameters of phi have the same values as in the system. A run begins
+ * at a state on the constraints, to half of the digits, and puts it onto them to roundoff; another state is refused with
+ * TVI_EINVAL, and tvi_project moves it. It shares nothing with the system.
+ *   TVI_EINVAL        m < 1 or m >= n; a phi_k that is a number or a function of t alone; NULL; an output left unset
+ *   TVI_EUNSUPPORTED  a rescaled system, one that is constrained already
+ *   others            as of tvi_system_hamiltonian
+ * *out is NULL on failure. */
+TVI_NODISCARD tvi_status tvi_system_constrained(tvi_system **out, const tvi_system *system, int m,
+                                                tvi_constraint_fn *constraint, void *ctx);
+
 void tvi_system_free(tvi_system *system);           /* NULL is allowed */
 int tvi_system_dimension(const tvi_system *system); /* n */
 /* 1 + the largest index of its parameters (jet_parameter); 0: there are none. */
 int tvi_system_parameters(const tvi_system *system);
+int tvi_system_constraints(const tvi_system *system); /* m; 0: there are none */
 
 /* Computes the energy H(q, p, t): sum p_i^2 / (2 m_i) + V, p.v - L, or the Hamiltonian itself. It may allocate.
  *   TVI_EUNSUPPORTED  a system made from a force, which has no V
@@ -158,6 +174,22 @@ TVI_NODISCARD tvi_status tvi_momentum(const tvi_system *system, double t, const 
                                       double p[]);
 TVI_NODISCARD tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], const double p[],
                                       double v[]);
+
+/* Move a state of a constrained system onto it, and tell of it. They may allocate.
+ * tvi_project moves q[n] to phi = 0, along the inverse masses times the gradients of phi, and then p[n] to dphi/dt = 0
+ * along the gradients: to the nearest state, measured by the masses, if it is near.
+ * tvi_constraint_values computes value[m] = phi and rate[m] = dphi/dt along the motion.
+ * tvi_multipliers computes lambda[m] of a state on the constraints, in units of a force times q over those of phi, and
+ * the force of constraint force[n], which is -sum_k lambda_k dphi_k/dq_i on q_i; force may be NULL.
+ *   TVI_EUNSUPPORTED  a system without constraints
+ *   TVI_ESINGULAR     a constraint that depends on the others there, or has no gradient: tvi_last_error names it
+ *   TVI_ENOCONV       no state is found on the constraints
+ *   others            as of tvi_energy and tvi_velocity */
+TVI_NODISCARD tvi_status tvi_project(const tvi_system *system, double t, double q[], double p[]);
+TVI_NODISCARD tvi_status tvi_constraint_values(const tvi_system *system, double t, const double q[], const double p[],
+                                               double value[], double rate[]);
+TVI_NODISCARD tvi_status tvi_multipliers(const tvi_system *system, double t, const double q[], const double p[],
+                                         double lambda[], double force[]);
 
 /* ---- Methods: a generating function + where the curve is expanded + a node rule ---------------------------------- */
 
@@ -275,13 +307,18 @@ const tvi_options *tvi_integrator_options(const tvi_integrator *integrator); /* 
  *   TVI_EINVAL      NULL
  *   TVI_ENONFINITE  a value that is not finite; the old ones stay */
 TVI_NODISCARD tvi_status tvi_integrator_set_parameters(tvi_integrator *integrator, const double value[]);
-/* Do what tvi_energy, tvi_momentum and tvi_velocity do, with the integrator's values of the parameters. */
+/* Do what tvi_energy, tvi_momentum and so on do, with the integrator's values of the parameters. */
 TVI_NODISCARD tvi_status tvi_integrator_energy(const tvi_integrator *integrator, double t, const double q[],
                                                const double p[], double *H);
 TVI_NODISCARD tvi_status tvi_integrator_momentum(const tvi_integrator *integrator, double t, const double q[],
                                                  const double v[], double p[]);
 TVI_NODISCARD tvi_status tvi_integrator_velocity(const tvi_integrator *integrator, double t, const double q[],
                                                  const double p[], double v[]);
+TVI_NODISCARD tvi_status tvi_integrator_project(const tvi_integrator *integrator, double t, double q[], double p[]);
+TVI_NODISCARD tvi_status tvi_integrator_constraint_values(const tvi_integrator *integrator, double t, const double q[],
+                                                          const double p[], double value[], double rate[]);
+TVI_NODISCARD tvi_status tvi_integrator_multipliers(const tvi_integrator *integrator, double t, const double q[],
+                                                    const double p[], double lambda[], double force[]);
 
 /* Makes one step of size h from (t, q, p) in place; h < 0 goes back, and h may change from step to step.
  *   TVI_EINVAL      NULL, h = 0 or not finite

@@ -131,6 +131,7 @@ static void write_source_text(jet_text *text, const tvi_system *stepped_system, 
 static tvi_status resolve_options(const tvi_system *system, const tvi_options *options, tvi_options *resolved_options)
 {
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
+    if (system->constraints) return jet_refuse(TVI_EUNSUPPORTED, "a constrained system is not compiled");
     *resolved_options = options ? *options : tvi_options_default();
     resolved_options->compiled = NULL;
     return tvi_options_resolve(resolved_options, system->stepped_system, NULL);

@@ -52,7 +52,8 @@
 /* Tells whether the system has a conserved energy, and the user has not switched off the guard (max_tail < 0). */
 static bool has_conserved_energy_to_check(const tvi_integrator *it)
 {
-    const bool is_conserved = tvi_steps_K(it) || !(it->system->uses_time || it->system->is_driven);
+    const bool is_conserved =
+        tvi_steps_K(it) || !(it->system->uses_time || it->system->is_driven || tvi_constraints_use_time(it->system));
     return it->guard.energy_work.tape_block && it->options.max_tail >= 0 && is_conserved;
 }
 
@@ -322,7 +323,7 @@ tvi_status tvi_refuse_too_large_step(tvi_integrator *it, bool step_used_series, 
     if (it->options.max_tail >= 0 && tail > it->options.max_tail)
         return jet_refuse(
             TVI_ETOOLARGE, "its tail %g is above max_tail = %g%s", tail, it->options.max_tail,
-            it->stepped->has_automatic_scale ? ": the automatic g is too large here (give a g of your own)" : "");
+            it->stepped->tail.has_automatic_scale ? ": the automatic g is too large here (give a g of your own)" : "");
     const bool has_defect = it->guard.curve_forces && it->options.degree >= GUARD_DEFECT_MIN_NODES;
     if (has_defect && !may_skip_energy_check(it, step_used_series, passes)) {
         const double defect = tvi_defect_of_bodies(it);

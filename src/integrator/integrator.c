@@ -43,7 +43,7 @@ static void allocate_state(tvi_integrator *integrator, tvi_arena *arena)
     integrator->stop = tvi_arena_allocate(arena, tvi_stop_bytes(n));
 }
 
-/* Allocates the memory in which energies and the field are evaluated. */
+/* Allocates the memory in which energies, the field and the constraints are evaluated. */
 static void allocate_energy_memory(tvi_integrator *integrator, tvi_arena *arena)
 {
     const tvi_system *system = integrator->system;
@@ -55,6 +55,7 @@ static void allocate_energy_memory(tvi_integrator *integrator, tvi_arena *arena)
         integrator->options.max_tail >= 0)
         integrator->guard.curve_forces =
             tvi_arena_allocate_doubles(arena, (size_t)integrator->stepped->n * (TVI_FORCE_POINTS + 1));
+    if (system->constraints) tvi_constraint_allocate(&integrator->constraint_work, arena, system);
     integrator->guard.field_block = tvi_arena_allocate_block(arena, integrator->stepped->field_values, 1, 1, 0);
 }
 

@@ -4,6 +4,7 @@
 #define TVI_INTEGRATOR_INTEGRATOR_H
 
 #include "method/stepper.h"
+#include "system/constraint.h"
 #include "system/energy.h"
 
 #include <math.h>
@@ -95,8 +96,9 @@ struct tvi_integrator {
     tvi_event_stop *stop; /* the last state at which events stopped a run */
     tvi_last_step last_step;
     tvi_guard_memory guard;
-    bool is_in_observer;  /* true while an observer is called, during which steps are refused */
-    tvi_tangent *tangent; /* memory for tangent vectors; NULL if they have not been used */
+    tvi_constraint_work constraint_work; /* puts the start of a run onto the constraints, if there are any */
+    bool is_in_observer;                 /* true while an observer is called, during which steps are refused */
+    tvi_tangent *tangent;                /* memory for tangent vectors; NULL if they have not been used */
     void (*free_tangent)(tvi_tangent *tangent);
 };
 

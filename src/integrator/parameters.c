@@ -1,5 +1,5 @@
 /* parameters.c - Sets the values that an integrator uses for the parameters of its system, and computes energies,
- * momenta and velocities with these values. */
+ * momenta, velocities and what belongs to constraints with these values. */
 #include "integrator/integrator.h"
 #include "system/refuse.h"
 
@@ -54,4 +54,23 @@ tvi_status tvi_integrator_momentum(const tvi_integrator *it, double t, const dou
 tvi_status tvi_integrator_velocity(const tvi_integrator *it, double t, const double q[], const double p[], double v[])
 {
     return it ? tvi_apply_legendre_transform(it->system, it->parameters, t, q, p, v, false) : refuse_null_integrator();
+}
+
+tvi_status tvi_integrator_project(const tvi_integrator *it, double t, double q[], double p[])
+{
+    return it ? tvi_project_with_parameters(it->system, it->parameters, t, q, p) : refuse_null_integrator();
+}
+
+tvi_status tvi_integrator_constraint_values(const tvi_integrator *it, double t, const double q[], const double p[],
+                                            double value[], double rate[])
+{
+    return it ? tvi_constraint_values_with_parameters(it->system, it->parameters, t, q, p, value, rate)
+              : refuse_null_integrator();
+}
+
+tvi_status tvi_integrator_multipliers(const tvi_integrator *it, double t, const double q[], const double p[],
+                                      double lambda[], double force[])
+{
+    return it ? tvi_multipliers_with_parameters(it->system, it->parameters, t, q, p, lambda, force)
+              : refuse_null_integrator();
 }

@@ -58,6 +58,18 @@ static tvi_status set_energy_offset_e(tvi_integrator *it)
     return TVI_OK;
 }
 
+/* Puts a state, which must be near the constraints, onto them: constraint_work.start.q and so on. */
+static tvi_status put_onto_constraints(tvi_integrator *it, double t, const double q[], const double p[])
+{
+    tvi_constraint_work *work = &it->constraint_work;
+    const size_t bytes = (size_t)it->system->n * sizeof *q;
+    memcpy(work->start.q, q, bytes);
+    memcpy(work->start.p, p, bytes);
+    memset(work->start.q_low, 0, bytes);
+    memset(work->start.p_low, 0, bytes);
+    return tvi_constraint_project(work, t, work->start.q, work->start.q_low, work->start.p, work->start.p_low, true);
+}
+
 tvi_status tvi_integrator_begin_step(tvi_integrator *it, double t, const double q[], const double p[])
 {
     const size_t n = (size_t)it->system->n;
@@ -65,12 +77,17 @@ tvi_status tvi_integrator_begin_step(tvi_integrator *it, double t, const double 
     if (*it->is_state_from_step && tvi_integrator_state_equals(it, t, q, p)) return TVI_OK;
     if (!isfinite(t) || !tvi_all_finite((int)n, q) || !tvi_all_finite((int)n, p))
         return tvi_refuse_nonfinite_state((int)n, t, q, "p", p);
+    const tvi_constraint_work *onto = it->system->constraints ? &it->constraint_work : NULL;
+    const tvi_status status = onto ? put_onto_constraints(it, t, q, p) : TVI_OK;
+    if (status != TVI_OK) return status;
     tvi_arena_copy_history(it->history.now, NULL, it->history.bytes);
-    memcpy(it->state.q, q, n * sizeof *q);
-    memcpy(it->state.p, p, n * sizeof *p);
+    memcpy(it->state.q, onto ? onto->start.q : q, n * sizeof *q);
+    memcpy(it->state.p, onto ? onto->start.p : p, n * sizeof *p);
+    if (onto) memcpy(it->state.q_low, onto->start.q_low, n * sizeof *q);
+    if (onto) memcpy(it->state.p_low, onto->start.p_low, n * sizeof *p);
     it->state.q[n] = t;
     memcpy(it->run_start, it->state.q, (n + 1) * sizeof *q);
-    memcpy(it->run_start + n + 1, p, n * sizeof *p);
+    memcpy(it->run_start + n + 1, it->state.p, n * sizeof *p);
     if (tvi_steps_K(it)) return set_energy_offset_e(it);
     if (tvi_is_rescaled(it)) it->state.p[n] = 0;
     return TVI_OK;
@@ -255,7 +272,8 @@ tvi_status tvi_make_steps(tvi_integrator *it, long most_steps, double tolerance,
         status = make_step(it, tolerance, h);
         if (status != TVI_OK) status = add_step_to_error_text(it, status);
     }
-    tvi_integrator_copy_state(it, t, q, p);
+    /* The start of a run stays what the user gave, though it was put onto constraints. */
+    if (*it->is_state_from_step) tvi_integrator_copy_state(it, t, q, p);
     return status;
 }
 

@@ -120,6 +120,8 @@ static tvi_status reserve_tangent_columns(tvi_integrator *it, int column_count)
 /* Allocates the memory for tangent vectors when an integrator first uses them, or when it needs more columns. */
 tvi_status tvi_integrator_allocate_tangents(tvi_integrator *it, int column_count)
 {
+    if (it->system->constraints)
+        return jet_refuse(TVI_EUNSUPPORTED, "the tangent map of a constrained system is not served");
     if (!it->tangent) {
         tvi_tangent *tangent;
         const tvi_status status = create_tangent(&tangent, it);

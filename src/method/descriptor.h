@@ -58,14 +58,15 @@ typedef struct {
 /* ---- Methods ----------------------------------------------------------------------------------------------------- */
 
 /* The forms of systems, as bits: separable, with a Lagrangian, with a Hamiltonian whose H_pp is regular, with one
- * whose H_pp is singular everywhere, driven, and a field of rates. */
+ * whose H_pp is singular everywhere, driven, a field of rates, and any of them with constraints. */
 enum {
     TVI_SUPPORTS_SEPARABLE = 1,
     TVI_SUPPORTS_LAGRANGIAN = 2,
     TVI_SUPPORTS_REGULAR = 4,
     TVI_SUPPORTS_DEGENERATE = 8,
     TVI_SUPPORTS_DRIVEN = 16,
-    TVI_SUPPORTS_FIELD = 32
+    TVI_SUPPORTS_FIELD = 32,
+    TVI_SUPPORTS_CONSTRAINED = 64
 };
 /* The forms of systems that a method can integrate, as a sum of the values above, and the error message for other
  * forms. */

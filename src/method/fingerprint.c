@@ -1,6 +1,7 @@
 /* fingerprint.c - Computes the hashes of systems and options that saved states and generated code store
  * (fingerprint.h). */
 #include "method/fingerprint.h"
+#include "system/constraint.h"
 
 #define COUNT(list) (sizeof(list) / sizeof *(list))
 
@@ -15,6 +16,7 @@ uint64_t tvi_system_fingerprint(const tvi_system *system)
         const int entry[] = {system->hessian.entry[i].row, system->hessian.entry[i].column};
         sum = jet_continue_hash(sum, entry, sizeof entry);
     }
+    sum = tvi_constraints_continue_hash(sum, system->constraints);
     const bool has_masses = system->form == TVI_SEPARABLE;
     return jet_continue_hash(sum, system->mass, has_masses ? (size_t)system->n * sizeof *system->mass : 0);
 }

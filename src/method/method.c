@@ -20,7 +20,7 @@ enum {
     HAMILTON_SUPPORTS = TVI_SUPPORTS_SEPARABLE | TVI_SUPPORTS_REGULAR | TVI_SUPPORTS_DEGENERATE
 };
 const tvi_supported_forms tvi_supports_all = {
-    TYPE1_SUPPORTS | HAMILTON_SUPPORTS | TVI_SUPPORTS_DRIVEN | TVI_SUPPORTS_FIELD, NULL};
+    TYPE1_SUPPORTS | HAMILTON_SUPPORTS | TVI_SUPPORTS_DRIVEN | TVI_SUPPORTS_FIELD | TVI_SUPPORTS_CONSTRAINED, NULL};
 const tvi_supported_forms tvi_supports_all_but_field = {TYPE1_SUPPORTS | HAMILTON_SUPPORTS | TVI_SUPPORTS_DRIVEN, NULL};
 const tvi_supported_forms tvi_supports_type1 = {
     TYPE1_SUPPORTS,
@@ -105,6 +105,7 @@ static tvi_status check_option_ranges(const tvi_options *options, const char **w
 static const char *find_why_unsupported(const tvi_descriptor *descriptor, const tvi_system *system)
 {
     const int forms = descriptor->supports->form_mask;
+    if (system->constraints && !(forms & TVI_SUPPORTS_CONSTRAINED)) return "a constrained system is for galerkin";
     if (system->is_driven)
         return forms & TVI_SUPPORTS_DRIVEN ? NULL
                                            : "a driven system has no generating function: take galerkin or taylor";
@@ -179,7 +180,7 @@ static tvi_status resolve_chosen_quadrature(tvi_options *options, bool is_order_
  * 1/32 from order 16 on. With a smaller default, good steps would be refused (docs/adaptive.md). */
 static double choose_default_max_tail(const tvi_options *options, const tvi_system *system)
 {
-    if (!system || !system->has_automatic_scale) return TVI_MAX_TAIL;
+    if (!system || !system->tail.has_automatic_scale) return TVI_MAX_TAIL;
     return fmin(TVI_MAX_TAIL,
                 exp2(AUTOMATIC_TAIL_FIRST_EXPONENT - fmin(options->order, AUTOMATIC_TAIL_LAST_ORDER) / 2));
 }

@@ -68,20 +68,21 @@ jet *tvi_copy_with_poison_beyond_end(int n, const jet x[], jet_reason reason)
     return copy;
 }
 
-jet *tvi_create_unset_force(int n)
+jet *tvi_create_unset_outputs(int n)
 {
     const size_t count = tvi_padded_vector_count(n);
-    jet *force = malloc(count * sizeof *force);
-    for (size_t i = 0; i < count && force; i++) force[i] = jet_make_unset_poison();
-    return force;
+    jet *output = malloc(count * sizeof *output);
+    for (size_t i = 0; i < count && output; i++) output[i] = jet_make_unset_poison();
+    return output;
 }
 
-tvi_status tvi_refuse_force_beyond_end(int n, const jet force[])
+tvi_status tvi_refuse_outputs_beyond_end(const char *name, int n, const jet output[])
 {
     const int count = (int)tvi_padded_vector_count(n);
     const jet unset = jet_make_unset_poison();
     for (int i = n; i < count; i++)
-        if (force[i].node != unset.node)
-            return jet_refuse(TVI_EINVAL, "force[%d] was set: it is beyond the last component, force[%d]", i, n - 1);
+        if (output[i].node != unset.node)
+            return jet_refuse(TVI_EINVAL, "%s[%d] was set: it is beyond the last component, %s[%d]", name, i, name,
+                              n - 1);
     return TVI_OK;
 }

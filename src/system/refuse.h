@@ -43,10 +43,10 @@ static inline size_t tvi_padded_vector_count(int n)
 void tvi_set_poison_beyond_end(int n, jet x[], jet_reason reason);
 /* Returns a padded copy of x [n], which the caller frees, or NULL if memory is lacking. */
 jet *tvi_copy_with_poison_beyond_end(int n, const jet x[], jet_reason reason);
-/* Returns a padded force [n] whose jets are all jet_make_unset_poison(). The caller frees it. It is NULL if memory is
- * lacking. */
-jet *tvi_create_unset_force(int n);
-/* Refuses such a force, with TVI_EINVAL, if the user's function has set its padding. */
-tvi_status tvi_refuse_force_beyond_end(int n, const jet force[]);
+/* Returns a padded vector of outputs [n], such as a force, whose jets are all jet_make_unset_poison(). The caller frees
+ * it. It is NULL if memory is lacking. */
+jet *tvi_create_unset_outputs(int n);
+/* Refuses such a vector with this name, with TVI_EINVAL, if the user's function has set its padding. */
+tvi_status tvi_refuse_outputs_beyond_end(const char *name, int n, const jet output[]);
 
 #endif

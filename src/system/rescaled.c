@@ -72,6 +72,8 @@ jet tvi_record_user_lagrangian(const jet q[], const jet v[], jet t, void *ctx)
 /* What to take where there is no K, by its names in C and Python. */
 #define THE_REVERSIBLE_FORM "the reversible form, tvi_system_rescaled_reversible (rescaled(g, reversible=True))"
 
+#define THE_CONSTRAINED "a constrained system is not rescaled: take fixed steps, or a tolerance"
+
 /* The request to rescale a system by the time scale g = dt/ds. */
 typedef struct {
     const tvi_system *base;
@@ -223,7 +225,7 @@ static void record_rates_by_s(const jet q[], const jet p[], jet s, void *ctx, je
 static tvi_status finish_rescaled(tvi_system **out, const tvi_system *system, tvi_system *stepped, bool is_automatic)
 {
     stepped->is_regular = false; /* K_ee = 0 */
-    stepped->has_automatic_scale = is_automatic;
+    stepped->tail.has_automatic_scale = is_automatic;
     stepped->tail.has_shares_without_momenta = system->has_masses;
     stepped->axes = system->axes;
     const tvi_status status = tvi_system_copy(out, system);
@@ -247,6 +249,7 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
     const char *const unsupported =
         system->stepped_system != system ? "the system is rescaled already"
+        : system->constraints            ? THE_CONSTRAINED
         : !system->energy.tape ? "a force has no Hamiltonian: state the potential, or take " THE_REVERSIBLE_FORM
         : system->is_driven
             ? "a driven system has no Hamiltonian flow: take fixed steps, or a tolerance, or " THE_REVERSIBLE_FORM
@@ -278,6 +281,7 @@ tvi_status tvi_system_rescaled_reversible(tvi_system **out, const tvi_system *sy
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
     const char *const unsupported =
         system->stepped_system != system                        ? "the system is rescaled already"
+        : system->constraints                                   ? THE_CONSTRAINED
         : system->form == TVI_LAGRANGIAN && !system->has_masses ? "state the Hamiltonian instead of the Lagrangian"
         : !g && (!system->energy.tape || system->form == TVI_LAGRANGIAN || system->is_driven)
             ? "the automatic g is for potentials and Hamiltonians: give a g of your own"

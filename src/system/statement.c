@@ -118,7 +118,7 @@ static tvi_status add_driving_force(system_recording *recording, const system_st
 {
     tvi_system *system = recording->system;
     const int n = system->n;
-    jet *padded_v = tvi_copy_with_poison_beyond_end(n, v, JET_BEYOND_V), *force = tvi_create_unset_force(n);
+    jet *padded_v = tvi_copy_with_poison_beyond_end(n, v, JET_BEYOND_V), *force = tvi_create_unset_outputs(n);
     tvi_status status = padded_v && force ? TVI_OK : TVI_ENOMEM;
     if (status == TVI_OK) {
         statement->drive(recording->q, padded_v, recording->t, force, statement->drive_ctx);
@@ -126,7 +126,7 @@ static tvi_status add_driving_force(system_recording *recording, const system_st
         status = jet_graph_check_outputs(system->record.graph, n, force);
         jet_graph_set_output_name(system->record.graph, user_function_name(statement));
     }
-    if (status == TVI_OK) status = tvi_refuse_force_beyond_end(n, force);
+    if (status == TVI_OK) status = tvi_refuse_outputs_beyond_end("force", n, force);
     for (int i = 0; i < n && status == TVI_OK; i++)
         recording->field[i] = jet_add(recording->field[i], jet_mul(sign, force[i]));
     free(padded_v);
@@ -340,7 +340,7 @@ static tvi_status record_statement(system_recording *recording, const system_sta
     if (statement->copied) return record_copy(recording, statement);
     if (statement->potential) return record_potential(recording, statement);
     statement->force(recording->q, recording->t, recording->field, statement->ctx);
-    return tvi_refuse_force_beyond_end(recording->system->n, recording->field);
+    return tvi_refuse_outputs_beyond_end("force", recording->system->n, recording->field);
 }
 
 static tvi_status create_tapes(system_recording *recording, const system_statement *statement)
@@ -458,6 +458,8 @@ tvi_status tvi_system_driven(tvi_system **out, const tvi_system *system, tvi_dri
     if (!system || !drive) return jet_refuse(TVI_EINVAL, "%s is NULL", system ? "drive" : "system");
     const char *const unsupported = !system->energy.tape               ? "a force has no energy: state the potential"
                                     : system->stepped_system != system ? "the system is rescaled"
+                                    : system->constraints
+                                        ? "the system is constrained: drive it first, and then constrain it"
                                     : system->is_driven ? "the system is driven already: add the forces in one"
                                                         : NULL;
     if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);

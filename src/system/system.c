@@ -1,6 +1,7 @@
 /* system.c - Frees systems, returns how many coordinates and parameters they have, and sets the parameters in the
  * blocks of their tapes. statement.c creates systems. */
 #include "system/system.h"
+#include "system/constraint.h"
 
 #include <stdlib.h>
 
@@ -15,6 +16,7 @@ void tvi_system_free(tvi_system *system)
     free(system->hessian.entry);
     jet_tape_free(system->energy.tape);
     jet_graph_free(system->record.graph);
+    tvi_constraints_free(system->constraints);
     free(system->record.field);
     free(system->mass);
     free(system->subsystems.component_list);
@@ -27,9 +29,14 @@ void tvi_system_free(tvi_system *system)
 int tvi_system_parameters(const tvi_system *system)
 {
     if (!system) return 0;
-    const int own = jet_graph_parameter_count(system->record.graph),
-              of_steps = jet_graph_parameter_count(system->stepped_system->record.graph);
-    return own > of_steps ? own : of_steps;
+    const jet_graph *const graphs[] = {system->record.graph, system->stepped_system->record.graph,
+                                       system->constraints ? system->constraints->graph : NULL};
+    int most = 0;
+    for (int i = 0; i < 3; i++) {
+        const int count = graphs[i] ? jet_graph_parameter_count(graphs[i]) : 0;
+        if (count > most) most = count;
+    }
+    return most;
 }
 
 void tvi_system_prepare_blocks(const tvi_system *system, const tvi_tape_block *blocks, const double parameters[])
@@ -51,6 +58,7 @@ void tvi_system_recorded_parameters(const tvi_system *system, double value[])
 {
     read_parameters(system->record.graph, value);
     read_parameters(system->stepped_system->record.graph, value);
+    if (system->constraints) read_parameters(system->constraints->graph, value);
 }
 
 int tvi_system_dimension(const tvi_system *system) { return system ? system->n : 0; }

@@ -51,13 +51,14 @@ struct tvi_system {
         /* A component's share of the motion, by which the tail weighs it, is computed from the change of its coordinate
          * alone, without its momentum. */
         bool has_shares_without_momenta;
+        bool has_automatic_scale; /* The time scale in K is the automatic one (automatic.c). */
     } tail;
     /* True if the matrix L_vv of the Lagrangian, or H_pp of the Hamiltonian, was found to be regular at some state. */
     bool is_regular;
     /* The coordinates are places of bodies of so many axes each, which attract each other; if it is negative, of bodies
      * that only given ones attract; 0: they are not known to be places. */
     int axes;
-    bool has_automatic_scale; /* The time scale in K is the automatic one (automatic.c). */
+    struct tvi_constraints *constraints; /* The constraints phi(q, t) = 0 (constraint.h); NULL: there are none. */
     /* The recording, finished once the system is created. It is kept to recognise its jets, and to record the tangent
      * system (ad/lift.c). */
     struct {

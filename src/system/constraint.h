@@ -1,0 +1,96 @@
+/* constraint.h - Declares the constraints phi(q, t) = 0 of a system: their recording, their tapes, and what is computed
+ * with them at one state. The force of constraint is -G^T lambda, with the multipliers lambda and G = phi_q
+ * (docs/method.md). constraint.c records the constraints, and project.c computes with them. */
+#ifndef TVI_SRC_SYSTEM_CONSTRAINT_H
+#define TVI_SRC_SYSTEM_CONSTRAINT_H
+
+#include "system/legendre.h"
+
+/* The constraints of a system. */
+typedef struct tvi_constraints {
+    int count;        /* m */
+    jet_graph *graph; /* The recording, with the inputs q [n], d [n], mu [m] and t in this order; finished. */
+    jet *phi;         /* [m] */
+    /* The entries of G that are not 0 everywhere, row by row: those of row k are row_end[k - 1] .. row_end[k] - 1. */
+    int entry_count, *row_end, *column;
+    jet_tape *values; /* Inputs q, then t if it is used. Outputs phi [m], and then the entries of G [entry_count]. */
+    /* Inputs q, d, mu, then t if it is used. Outputs (G^T mu)_q d [n], and then d phi_k,qq d / 2 [m]. */
+    jet_tape *curvature;
+    /* Inputs q, d, then t if it is used. Outputs, along a motion with q' = d: phi' = G d + phi_t [m], and phi'' without
+     * its term G q'': d phi_qq d + 2 phi_qt d + phi_tt [m]. */
+    jet_tape *rates;
+} tvi_constraints;
+
+void tvi_constraints_free(tvi_constraints *constraints);
+
+/* Tells whether the system has constraints that depend on the time, and so do work. */
+static inline bool tvi_constraints_use_time(const tvi_system *system)
+{
+    return system->constraints && system->constraints->values->input_count > system->n;
+}
+
+/* Continues the hash of a system (method/fingerprint.h) with its constraints; NULL: there are none. */
+uint64_t tvi_constraints_continue_hash(uint64_t hash, const tvi_constraints *constraints);
+
+/* The memory in which the constraints of one state are computed. */
+typedef struct tvi_constraint_work {
+    const tvi_system *system;
+    double *W;                            /* [n][n] The inverse masses dv/dp at the state. */
+    double *values_block, *rates_block;   /* The blocks of the tapes. */
+    double *field_block, *field_tangents; /* The field at the state, and its derivatives along some directions. */
+    tvi_legendre_transform legendre;      /* Computes velocities from momenta, for a Lagrangian with L_vv(q, v). */
+    double *velocity;                     /* [n] The velocity of the state. */
+    double *G_W;                          /* [m][n] */
+    double *S;                            /* [m][m] G W G^T, and then its scaled factor (factor_S in project.c). */
+    double *scale;                        /* [m] Makes the diagonal of S 1. */
+    double *residual;                     /* [m] The right-hand side, and then the solution, of an equation with S. */
+    double *correction;                   /* [n] */
+    /* [n] The state that is projected, and the state at the start of a run (integrator/step.c). */
+    struct {
+        double *q, *p, *q_low, *p_low;
+    } moved, start;
+} tvi_constraint_work;
+
+/* Allocates the memory for a system that has constraints, in an arena (algebra/arena.h). The blocks get the parameters
+ * of the arena. */
+void tvi_constraint_allocate(tvi_constraint_work *work, tvi_arena *arena, const tvi_system *system);
+
+/* Computes W at a state: diag(1/m) of a system with masses, and otherwise H_pp or L_vv^-1. */
+TVI_NODISCARD tvi_status tvi_constraint_set_W(tvi_constraint_work *work, double t, const double q[], const double p[]);
+
+/* Computes v = dq/dt of a state. */
+TVI_NODISCARD tvi_status tvi_constraint_velocity(tvi_constraint_work *work, double t, const double q[],
+                                                 const double p[], double v[]);
+
+/* Computes phi [m] and dphi/dt = G v + phi_t [m] of a state. */
+TVI_NODISCARD tvi_status tvi_constraint_evaluate(tvi_constraint_work *work, double t, const double q[],
+                                                 const double p[], double value[], double rate[]);
+
+/* Computes the multipliers lambda [m] of a state, for which phi'' = 0 along the motion, and which S lambda = G a + (phi''
+ * without G q'') gives, where a is the acceleration without forces of constraint. */
+TVI_NODISCARD tvi_status tvi_constraint_multipliers(tvi_constraint_work *work, double t, const double q[],
+                                                    const double p[], double lambda[]);
+
+/* Sets force [n] to the force of constraint -G^T lambda at the state at which multipliers were computed last. */
+void tvi_constraint_force(const tvi_constraint_work *work, const double lambda[], double force[]);
+
+/* Moves (q + q_low, p + p_low) onto phi = 0 along W G^T, and then onto phi' = 0 along G^T, by Newton's method to
+ * roundoff; the low-order parts are set, too. With is_near, it refuses a state whose correction is more than 2^-26 of
+ * its coordinates or its velocity, with TVI_EINVAL. Returns TVI_ESINGULAR, with a text that names the constraint, if one
+ * depends on the others there: a pivot of S, scaled to the diagonal 1, is at most 64 m times the unit of roundoff. On
+ * failure the state is as it was. */
+TVI_NODISCARD tvi_status tvi_constraint_project(tvi_constraint_work *work, double t, double q[], double q_low[],
+                                                double p[], double p_low[], bool is_near);
+
+/* Do what tvi_project, tvi_constraint_values and tvi_multipliers do, with the given parameters instead of the recorded
+ * ones. NULL stands for the recorded parameters. */
+TVI_NODISCARD tvi_status tvi_project_with_parameters(const tvi_system *system, const double parameters[], double t,
+                                                     double q[], double p[]);
+TVI_NODISCARD tvi_status tvi_constraint_values_with_parameters(const tvi_system *system, const double parameters[],
+                                                               double t, const double q[], const double p[],
+                                                               double value[], double rate[]);
+TVI_NODISCARD tvi_status tvi_multipliers_with_parameters(const tvi_system *system, const double parameters[], double t,
+                                                         const double q[], const double p[], double lambda[],
+                                                         double force[]);
+
+#endif
