@@ -64,8 +64,7 @@ tvi_status tvi_integrator_project(const tvi_integrator *it, double t, double q[]
 tvi_status tvi_integrator_constraint_values(const tvi_integrator *it, double t, const double q[], const double p[],
                                             double value[], double rate[])
 {
-    return it ? tvi_constraint_values_with_parameters(it->system, it->parameters, t, q, p, value, rate)
-              : refuse_null_integrator();
+    return it ? tvi_phi_with_parameters(it->system, it->parameters, t, q, p, value, rate) : refuse_null_integrator();
 }
 
 tvi_status tvi_integrator_multipliers(const tvi_integrator *it, double t, const double q[], const double p[],

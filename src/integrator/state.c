@@ -423,10 +423,10 @@ static tvi_status set_state(tvi_integrator *it, const state_page *page)
     split_pairs(n, p, it->guard.end.p, NULL);
     *it->is_state_from_step = false;
     const tvi_status status = tvi_integrator_begin_step(it, page->state[0], it->guard.end.q, it->guard.end.p);
-    if (status != TVI_OK || !page->is_from_step) return status;
-    if (page->is_history_own)
+    if (status != TVI_OK) return status;
+    if (page->is_from_step && page->is_history_own)
         tvi_arena_copy_history(it->history.now, (const char *)(page->history + COUNTS), it->history.bytes);
-    *it->is_state_from_step = true;
+    *it->is_state_from_step = page->is_from_step;
     split_pairs(1, page->state, &state->q[n], &state->q_low[n]);
     split_pairs(n, q, state->q, state->q_low);
     split_pairs(n, p, state->p, state->p_low);

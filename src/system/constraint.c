@@ -226,9 +226,13 @@ tvi_status tvi_system_constrained(tvi_system **out, const tvi_system *system, in
     status = record_constraints(&constraints, system, m, constraint, ctx);
     if (status != TVI_OK) return jet_explain_out_of_memory(status);
     status = tvi_system_copy(out, system);
-    if (status == TVI_OK) (*out)->constraints = constraints;
-    else tvi_constraints_free(constraints);
-    return status;
+    if (status != TVI_OK) {
+        tvi_constraints_free(constraints);
+        return status;
+    }
+    (*out)->constraints = constraints;
+    (*out)->axes = 0; /* The field is not all of the forces on bodies (integrator/defect.c). */
+    return TVI_OK;
 }
 
 int tvi_system_constraints(const tvi_system *system)
@@ -273,8 +277,8 @@ tvi_status tvi_project_with_parameters(const tvi_system *system, const double pa
     return status;
 }
 
-tvi_status tvi_constraint_values_with_parameters(const tvi_system *system, const double parameters[], double t,
-                                                 const double q[], const double p[], double value[], double rate[])
+tvi_status tvi_phi_with_parameters(const tvi_system *system, const double parameters[], double t, const double q[],
+                                   const double p[], double value[], double rate[])
 {
     tvi_constraint_work work;
     void *memory;
@@ -308,7 +312,7 @@ tvi_status tvi_project(const tvi_system *system, double t, double q[], double p[
 tvi_status tvi_constraint_values(const tvi_system *system, double t, const double q[], const double p[], double value[],
                                  double rate[])
 {
-    return tvi_constraint_values_with_parameters(system, NULL, t, q, p, value, rate);
+    return tvi_phi_with_parameters(system, NULL, t, q, p, value, rate);
 }
 
 tvi_status tvi_multipliers(const tvi_system *system, double t, const double q[], const double p[], double lambda[],

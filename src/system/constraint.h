@@ -66,8 +66,8 @@ TVI_NODISCARD tvi_status tvi_constraint_velocity(tvi_constraint_work *work, doub
 TVI_NODISCARD tvi_status tvi_constraint_evaluate(tvi_constraint_work *work, double t, const double q[],
                                                  const double p[], double value[], double rate[]);
 
-/* Computes the multipliers lambda [m] of a state, for which phi'' = 0 along the motion, and which S lambda = G a + (phi''
- * without G q'') gives, where a is the acceleration without forces of constraint. */
+/* Computes the multipliers lambda [m] of a state, for which phi'' = 0 along the motion: S lambda = G a + (phi'' without
+ * G q''), where a is the acceleration without forces of constraint. */
 TVI_NODISCARD tvi_status tvi_constraint_multipliers(tvi_constraint_work *work, double t, const double q[],
                                                     const double p[], double lambda[]);
 
@@ -76,9 +76,9 @@ void tvi_constraint_force(const tvi_constraint_work *work, const double lambda[]
 
 /* Moves (q + q_low, p + p_low) onto phi = 0 along W G^T, and then onto phi' = 0 along G^T, by Newton's method to
  * roundoff; the low-order parts are set, too. With is_near, it refuses a state whose correction is more than 2^-26 of
- * its coordinates or its velocity, with TVI_EINVAL. Returns TVI_ESINGULAR, with a text that names the constraint, if one
- * depends on the others there: a pivot of S, scaled to the diagonal 1, is at most 64 m times the unit of roundoff. On
- * failure the state is as it was. */
+ * its coordinates or its velocity, with TVI_EINVAL. Returns TVI_ESINGULAR, with a text that names the constraint, if
+ * one depends on the others there: a pivot of S, scaled to the diagonal 1, is at most 64 m times the unit of roundoff.
+ * On failure the state is as it was. */
 TVI_NODISCARD tvi_status tvi_constraint_project(tvi_constraint_work *work, double t, double q[], double q_low[],
                                                 double p[], double p_low[], bool is_near);
 
@@ -86,9 +86,8 @@ TVI_NODISCARD tvi_status tvi_constraint_project(tvi_constraint_work *work, doubl
  * ones. NULL stands for the recorded parameters. */
 TVI_NODISCARD tvi_status tvi_project_with_parameters(const tvi_system *system, const double parameters[], double t,
                                                      double q[], double p[]);
-TVI_NODISCARD tvi_status tvi_constraint_values_with_parameters(const tvi_system *system, const double parameters[],
-                                                               double t, const double q[], const double p[],
-                                                               double value[], double rate[]);
+TVI_NODISCARD tvi_status tvi_phi_with_parameters(const tvi_system *system, const double parameters[], double t,
+                                                 const double q[], const double p[], double value[], double rate[]);
 TVI_NODISCARD tvi_status tvi_multipliers_with_parameters(const tvi_system *system, const double parameters[], double t,
                                                          const double q[], const double p[], double lambda[],
                                                          double force[]);

@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* [1] A state is near the constraints if the corrections of its coordinates and of its velocity are at most this part of
- * them: half of the digits of a double. Newton's method then ends in a pass or two. */
+/* [1] A state is near the constraints if the corrections of its coordinates and of its velocity are at most this part
+ * of them: half of the digits of a double. */
 #define NEAR 0x1p-26
 /* [passes] Newton's method makes at most so many. */
 #define MAX_PASSES 50
@@ -370,7 +370,7 @@ static tvi_status judge_correction(projection_passes *passes, double correction,
     return previous >= 0 && previous <= NEAR * size && correction >= previous / 2 ? TVI_OK : TVI_ENOCONV;
 }
 
-/* Returns the constraint that is farthest from its value. work->correction is the scratch of the caller. */
+/* Returns the constraint whose phi, or phi', is farthest from 0, as measured by the masses. */
 static int find_farthest(const tvi_constraint_work *work, bool is_rate)
 {
     int farthest = 0;

@@ -76,6 +76,7 @@ typedef jet tvi_hamiltonian_fn(const jet q[], const jet p[], jet t, void *ctx);
 typedef jet tvi_rescale_fn(const jet q[], const jet p[], jet t, void *ctx);
 typedef jet tvi_event_fn(const jet q[], const jet p[], jet t, void *ctx);
 typedef void tvi_drive_fn(const jet q[], const jet v[], jet t, jet force[], void *ctx);
+typedef void tvi_constraint_fn(const jet q[], jet t, jet value[], void *ctx);
 """
 
 JETS = """
@@ -100,11 +101,19 @@ tvi_status tvi_system_hamiltonian(tvi_system **out, int n, tvi_hamiltonian_fn *h
 tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_rescale_fn *g, void *ctx);
 tvi_status tvi_system_rescaled_reversible(tvi_system **out, const tvi_system *system, tvi_rescale_fn *g, void *ctx);
 tvi_status tvi_system_driven(tvi_system **out, const tvi_system *system, tvi_drive_fn *drive, void *ctx);
+tvi_status tvi_system_constrained(tvi_system **out, const tvi_system *system, int m, tvi_constraint_fn *constraint,
+                                  void *ctx);
 void tvi_system_free(tvi_system *system);
 int tvi_system_parameters(const tvi_system *system);
+int tvi_system_constraints(const tvi_system *system);
 tvi_status tvi_energy(const tvi_system *system, double t, const double q[], const double p[], double *H);
 tvi_status tvi_momentum(const tvi_system *system, double t, const double q[], const double v[], double p[]);
 tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], const double p[], double v[]);
+tvi_status tvi_project(const tvi_system *system, double t, double q[], double p[]);
+tvi_status tvi_constraint_values(const tvi_system *system, double t, const double q[], const double p[], double value[],
+                                 double rate[]);
+tvi_status tvi_multipliers(const tvi_system *system, double t, const double q[], const double p[], double lambda[],
+                           double force[]);
 tvi_status tvi_event_create(tvi_event **out, int n, tvi_direction direction, bool terminal, tvi_event_fn *g, void *ctx);
 void tvi_event_free(tvi_event *event);
 """
@@ -132,6 +141,11 @@ tvi_status tvi_integrator_momentum(const tvi_integrator *integrator, double t, c
                             double p[]);
 tvi_status tvi_integrator_velocity(const tvi_integrator *integrator, double t, const double q[], const double p[],
                             double v[]);
+tvi_status tvi_integrator_project(const tvi_integrator *integrator, double t, double q[], double p[]);
+tvi_status tvi_integrator_constraint_values(const tvi_integrator *integrator, double t, const double q[],
+                                            const double p[], double value[], double rate[]);
+tvi_status tvi_integrator_multipliers(const tvi_integrator *integrator, double t, const double q[], const double p[],
+                                      double lambda[], double force[]);
 tvi_status tvi_step(tvi_integrator *integrator, double h, double *t, double q[], double p[]);
 tvi_status tvi_step_tangent(tvi_integrator *integrator, double h, double *t, double q[], double p[], double D[],
                             int columns);
