@@ -103,6 +103,26 @@ static tvi_status rescale(statement by, tvi_system **out, void *ctx)
     return status;
 }
 
+/* Every operation on the curve x - y = -0.1, to first order about it; of the light one no other than products. */
+static void on_curve(const jet q[], jet t, jet value[], void *ctx)
+{
+    jet y[32];
+    const jet off = jet_add(jet_sub(q[0], q[1]), 0.1), square = jet_sqr(off);
+    const int count = every_function(q[2], y);
+    value[0] = jet_add(off, ctx ? square : jet_mul(jet_mul(square, jet_sum(y, count)), jet_add(1, jet_mul(1e-3, t))));
+}
+
+static tvi_status constrain(tvi_system **out, void *ctx)
+{
+    tvi_system *base;
+    tvi_status status = state_everything(POTENTIAL, &base, ctx);
+    *out = NULL;
+    if (status != TVI_OK) return status;
+    status = tvi_system_constrained(out, base, 1, on_curve, ctx);
+    tvi_system_free(base);
+    return status;
+}
+
 tvi_status state_everything(statement by, tvi_system **out, void *ctx)
 {
     switch (by) {
@@ -112,6 +132,7 @@ tvi_status state_everything(statement by, tvi_system **out, void *ctx)
     case HAMILTONIAN: return tvi_system_hamiltonian(out, N, everything_hamiltonian, ctx);
     case RESCALED:
     case REVERSIBLE: return rescale(by, out, ctx);
+    case CONSTRAINED: return constrain(out, ctx);
     case SEPARABLE_L: return tvi_system_lagrangian(out, N, separable_lagrangian, ctx);
     default: return tvi_system_hamiltonian(out, N, separable_hamiltonian, ctx);
     }

@@ -19,6 +19,7 @@ typedef enum {
     SEPARABLE_H,
     RESCALED,
     REVERSIBLE,
+    CONSTRAINED,
     STATEMENTS
 } statement;
 

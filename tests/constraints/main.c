@@ -1,0 +1,7 @@
+/* main.c - Runs the suites on constraints. */
+#include "constraints.h"
+#include "problems/run_suites.h"
+
+static Suite *(*const suites[])(void) = {suite_statement, suite_states, suite_starts, suite_work};
+
+int main(void) { return RUN_SUITES(suites); }
