@@ -95,7 +95,7 @@ FLAGS_avx2   := -mavx2 -mfma -ffp-contract=fast
 FLAGS_avx512 := $(FLAGS_avx2) -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512
 ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c ad/sum*.c)
 # steppers, whose tables alone are made once: their names in all sets but the base have the suffix of the set
-TABLES       := src/galerkin/tables.c src/generating/methods.c src/generating/action.c
+TABLES       := src/galerkin/tables.c src/galerkin/lobatto.c src/generating/methods.c src/generating/action.c
 SET_SOURCES  := $(filter-out $(TABLES),$(wildcard src/galerkin/*.c src/generating/*.c))
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) $(BUILD)/ad/embedded_rules.o \
                 $(ISAS:%=$(BUILD)/ad/sweeps_%.o)

@@ -9,7 +9,7 @@
 
 /* ---- Memory and tables ------------------------------------------------------------------------------------------- */
 
-static int choose_lane_count(int node_count) { return node_count <= 4 ? 4 : node_count <= 8 ? 8 : GALERKIN_MAX_LANES; }
+int tvi_galerkin_lane_count(int node_count) { return node_count <= 4 ? 4 : node_count <= 8 ? 8 : GALERKIN_MAX_LANES; }
 
 /* Counts how many of the last coordinates are cyclic: H does not depend on them, as on the time of many rescaled
  * systems. The momentum is constant, and the coordinate follows from a quadrature: passes need not move them. */
@@ -27,7 +27,7 @@ static void allocate_nodes(galerkin_nodes *nodes, tvi_arena *arena, const tvi_sy
 {
     const int cyclic = count_cyclic_coordinates(system);
     nodes->node_count = node_count;
-    nodes->lane_count = choose_lane_count(node_count);
+    nodes->lane_count = tvi_galerkin_lane_count(node_count);
     nodes->unknown_count = system->input_count;
     nodes->n = system->n;
     nodes->moving_count = cyclic > 0 ? system->n - cyclic : nodes->unknown_count;
@@ -101,7 +101,7 @@ static void set_tables(void *self)
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
 
-static void set_step_size(galerkin_work *work, double h)
+void tvi_galerkin_set_step_size(galerkin_work *work, double h)
 {
     galerkin_step *step = &work->step;
     const galerkin_nodes *nodes = &step->nodes;
@@ -124,7 +124,7 @@ static void set_step_size(galerkin_work *work, double h)
 }
 
 /* Writes the times of the nodes of a step of size h into the block of the field's tape, if the tape uses the time. */
-static void set_node_times(const galerkin_work *work, const tvi_step_origin *origin, double h)
+void tvi_galerkin_set_node_times(const galerkin_work *work, const tvi_step_origin *origin, double h)
 {
     const galerkin_step *step = &work->step;
     double t[GALERKIN_MAX_LANES];
@@ -151,7 +151,7 @@ static void move_by_rates(const galerkin_step *step)
 /* Predicts the unknowns from the start of the step alone, whose size does not enter the rates: the field at the start
  * gives the rates at all nodes, and the unknowns move by them. The velocity of a Lagrangian is that of the Legendre
  * transform at the start, whose iteration begins with 0. */
-static tvi_status predict_from_start(galerkin_work *work, const tvi_step_origin *origin)
+tvi_status tvi_galerkin_predict_from_start(galerkin_work *work, const tvi_step_origin *origin)
 {
     const galerkin_step *step = &work->step;
     const galerkin_nodes *nodes = &step->nodes;
@@ -195,9 +195,9 @@ static tvi_status predict_without_equal_step(galerkin_work *work, const tvi_step
         galerkin_predict(step, &by);
         return TVI_OK;
     }
-    set_node_times(work, origin, 0);
+    tvi_galerkin_set_node_times(work, origin, 0);
     stats->force_evaluations++;
-    return predict_from_start(work, origin);
+    return tvi_galerkin_predict_from_start(work, origin);
 }
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
@@ -217,7 +217,7 @@ static galerkin_outcome make_steps(galerkin_work *work, bool is_generated, bool 
     galerkin_history *history = work->predictor.history;
     galerkin_outcome outcome = {.ring_index = (int)history->ring_index, .largest_tail = stats->largest_tail};
     double elapsed;
-    set_step_size(work, h);
+    tvi_galerkin_set_step_size(work, h);
     if (h == history->last_h) outcome.convergence = history->convergence;
     /* The last step can predict the next one, except in the first step of a run or if the step is much larger. */
     if (may_extrapolate) outcome.is_extrapolated = tvi_galerkin_can_predict(work, origin->t, &elapsed);
@@ -226,7 +226,7 @@ static galerkin_outcome make_steps(galerkin_work *work, bool is_generated, bool 
     if (outcome.equal_step_count == 0)
         outcome.status = predict_without_equal_step(work, origin, outcome.is_extrapolated ? &elapsed : NULL, stats);
     if (outcome.status != TVI_OK) return outcome;
-    set_node_times(work, origin, h);
+    tvi_galerkin_set_node_times(work, origin, h);
     /* .make_steps is galerkin_make_generated_steps of generated.h. */
     if (is_generated) work->generated_steps->make_steps(&work->step, run, origin, state, &outcome);
     else galerkin_make_steps(&work->step, run, origin, state, &outcome);
@@ -295,7 +295,7 @@ static void emit_steps(jet_text *text, const tvi_system *system, const tvi_optio
 
 static tvi_tapes_of_steps list_tapes(const tvi_system *system, const tvi_options *options)
 {
-    const int lanes = choose_lane_count(options->degree);
+    const int lanes = tvi_galerkin_lane_count(options->degree);
     const char *hessian = system->hessian.values ? GALERKIN_HESSIAN_TAPE : NULL;
     return (tvi_tapes_of_steps){
         .value_tape_emission = {.name_prefix = GALERKIN_VALUES_TAPE, .value_lane_counts = {lanes}},

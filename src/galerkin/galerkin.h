@@ -70,6 +70,12 @@ typedef struct {
  * more. */
 tvi_status tvi_galerkin_make_pass(const galerkin_step *step, double *movement, galerkin_counts *counts);
 
+/* What constrained.c calls of a step, whose parts galerkin.c describes. */
+int tvi_galerkin_lane_count(int node_count);
+void tvi_galerkin_set_step_size(galerkin_work *work, double h);
+void tvi_galerkin_set_node_times(const galerkin_work *work, const tvi_step_origin *origin, double h);
+tvi_status tvi_galerkin_predict_from_start(galerkin_work *work, const tvi_step_origin *origin);
+
 /* ---- dense.c: the curve at other points -------------------------------------------------------------------------- */
 
 /* Points of a curve: out[u][k] = start[u] + (theta[k] move[u] + scale[u] sum_j table_jk L[u][j]) for the components u <

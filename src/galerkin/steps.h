@@ -238,7 +238,7 @@ static inline bool galerkin_add_step(int n, const tvi_run_request *run, const tv
 /* ---- Steps in a row ---------------------------------------------------------------------------------------------- */
 
 /* Makes steps of size step->h in a row from the origin, and adds them to `state`. The size acts through nodes.hb,
- * nodes.scale and nodes.m_over_h, which set_step_size of galerkin.c has set; run->h is the same number, which only
+ * nodes.scale and nodes.m_over_h, which galerkin.c has set; run->h is the same number, which only
  * tvi_step_ends_before_t_end reads here. galerkin_add_step also adds run->last_step_increments_out.dq[n], which is h,
  * to the time state->q[n]. If `state` is NULL, makes a single step and adds nothing. If outcome->equal_step_count is 0,
  * the caller has set the unknowns of the first step. */

@@ -122,7 +122,7 @@ void tvi_galerkin_allocate_tables(galerkin_coefficients *coefficients, galerkin_
     coefficients->nu = tvi_arena_allocate_doubles(arena, width * width);
 }
 
-static double round_to_binary_grid(long double x, int bits) { return (double)ldexpl(rintl(ldexpl(x, bits)), -bits); }
+double tvi_galerkin_round_to_grid(long double x, int bits) { return (double)ldexpl(rintl(ldexpl(x, bits)), -bits); }
 
 /* Sets the nodes c and the weights b, which are multiples of 2^-53. Differences of such numbers are exact, so that
  * c_i + c_{m-1-i} = 1, b_i = b_{m-1-i} and sum b_j = 1 hold for the doubles themselves. */
@@ -136,10 +136,10 @@ static void set_nodes_and_weights(galerkin_coefficients *coefficients)
         coefficients->exact_b[i] /= 2;
     }
     for (int i = 0; i < (m + 1) / 2; i++) {
-        coefficients->c[i] = round_to_binary_grid(coefficients->exact_c[i], 53);
+        coefficients->c[i] = tvi_galerkin_round_to_grid(coefficients->exact_c[i], 53);
         coefficients->c[m - 1 - i] = 1 - coefficients->c[i];
         coefficients->b[i] = coefficients->b[m - 1 - i] =
-            i < m - 1 - i ? round_to_binary_grid(coefficients->exact_b[i], 53) : left;
+            i < m - 1 - i ? tvi_galerkin_round_to_grid(coefficients->exact_b[i], 53) : left;
         left -= 2 * coefficients->b[i];
     }
     if (m % 2 == 0) coefficients->b[m / 2 - 1] = coefficients->b[m / 2] = coefficients->b[m / 2] + left / 2;
@@ -186,7 +186,7 @@ static void set_nu(galerkin_coefficients *coefficients, const galerkin_polynomia
         for (int j = 0; j <= i; j++) {
             const long double exact = exact_nu(coefficients, is_second_order, a_over_b, i, j) +
                                       exact_nu(coefficients, is_second_order, a_over_b, m - 1 - j, m - 1 - i);
-            const double nu = round_to_binary_grid(exact / 2, 52);
+            const double nu = tvi_galerkin_round_to_grid(exact / 2, 52);
             matrix[j * lanes + i] = nu;
             matrix[i * lanes + j] = is_second_order ? nu - (coefficients->c[i] - coefficients->c[j]) : 1 - nu;
         }
@@ -207,14 +207,13 @@ void tvi_galerkin_compute_tables(galerkin_coefficients *coefficients, galerkin_p
 
 /* Computes basis[k][i]: polynomials of degree k at 3 m points, orthonormal on the first fitted_point_count of these
  * points. The points are the nodes of the last step, of the step before it, and of the next one. */
-static void set_orthonormal_polynomials(const galerkin_coefficients *coefficients, int fitted_point_count, int degree,
+static void set_orthonormal_polynomials(int m, const long double node[], int fitted_point_count, int degree,
                                         long double basis[][3 * MAX_LANES])
 {
-    const int m = coefficients->node_count;
     for (int k = 0; k <= degree; k++) {
         long double *now = basis[k];
         for (int i = 0; i < 3 * m; i++) {
-            const long double s = coefficients->exact_c[i % m] + (i < m ? 0 : i < 2 * m ? -1 : 1);
+            const long double s = node[i % m] + (i < m ? 0 : i < 2 * m ? -1 : 1);
             now[i] = k > 0 ? s * basis[k - 1][i] : 1;
         }
         /* If before == k, the product is the square of the norm of basis[k]. */
@@ -228,16 +227,14 @@ static void set_orthonormal_polynomials(const galerkin_coefficients *coefficient
     }
 }
 
-/* Computes factors[point][next]: the factor of the rate at `point` of the earlier steps in the predicted rate at node
- * `next` of the next step. The prediction is a least-squares fit by polynomials, so that the factor is sum_k pi_k(1 +
- * c_next) pi_k(s_point), with the polynomials pi_k of set_orthonormal_polynomials. s_point is the time of the point
- * from the start of the last step, in units of the step. */
-static void fit_extrapolation_factors(const galerkin_coefficients *coefficients, int step_count, int degree,
-                                      long double factors[][MAX_LANES])
+/* The prediction is a least-squares fit by polynomials, so that the factor is sum_k pi_k(1 + c_next) pi_k(s_point),
+ * with the polynomials pi_k of set_orthonormal_polynomials. s_point is the time of the point from the start of the last
+ * step, in units of the step. */
+void tvi_galerkin_fit_factors(int m, const long double node[], int step_count, int degree,
+                              long double factors[][MAX_LANES])
 {
     long double basis[2 * MAX_LANES][3 * MAX_LANES];
-    const int m = coefficients->node_count;
-    set_orthonormal_polynomials(coefficients, step_count * m, degree, basis);
+    set_orthonormal_polynomials(m, node, step_count * m, degree, basis);
     for (int point = 0; point < step_count * m; point++)
         for (int next = 0; next < m; next++) {
             factors[point][next] = 0;
@@ -250,7 +247,7 @@ void tvi_galerkin_extrapolation(const galerkin_coefficients *coefficients, int s
 {
     long double factors[2 * MAX_LANES][MAX_LANES];
     const int m = coefficients->node_count, lanes = coefficients->lane_count;
-    fit_extrapolation_factors(coefficients, step_count, degree, factors);
+    tvi_galerkin_fit_factors(m, coefficients->exact_c, step_count, degree, factors);
     for (int point = 0; point < step_count * m; point++)
         for (int next = 0; next < m; next++) {
             double *column = table + (point / m * lanes + point % m) * lanes;

@@ -43,6 +43,15 @@ void tvi_galerkin_allocate_tables(galerkin_coefficients *coefficients, galerkin_
 void tvi_galerkin_compute_tables(galerkin_coefficients *coefficients, galerkin_polynomials *polynomials,
                                  bool is_second_order);
 
+/* Rounds x to a multiple of 2^-bits. */
+double tvi_galerkin_round_to_grid(long double x, int bits);
+
+/* Computes factors[point][next]: the factor of the rate at `point` of the last step_count steps in the rate that a fit
+ * by polynomials of this degree predicts at node `next` of the next step, for m nodes in [0, 1] and steps of one size.
+ * Points of the last step come first. */
+void tvi_galerkin_fit_factors(int m, const long double node[], int step_count, int degree,
+                              long double factors[][GALERKIN_MAX_LANES]);
+
 /* Computes table [step_count][j][i]: the factors of the impulses of the last step_count steps in what is predicted for
  * the next one, all of the same size. The rates are fitted by polynomials of this degree; per_impulse [j][i] is what an
  * impulse of the next step would make of its rate. */

@@ -226,13 +226,14 @@ tvi_status tvi_options_resolve(tvi_options *options, const tvi_system *system, c
  * sets but the base a suffix. The sweeps of the system's tapes, which ad/isa.c chooses, tell the set. */
 #ifdef JET_ISA_X86
 extern const tvi_stepper tvi_stepper_curve_avx2, tvi_stepper_both_ends_avx2, tvi_stepper_taylor_avx2,
-    tvi_stepper_galerkin_avx2, tvi_stepper_curve_avx512, tvi_stepper_both_ends_avx512, tvi_stepper_taylor_avx512,
-    tvi_stepper_galerkin_avx512;
+    tvi_stepper_galerkin_avx2, tvi_stepper_constrained_avx2, tvi_stepper_curve_avx512, tvi_stepper_both_ends_avx512,
+    tvi_stepper_taylor_avx512, tvi_stepper_galerkin_avx512, tvi_stepper_constrained_avx512;
 static const tvi_stepper *const steppers[][JET_ISA_COUNT] = {
     {&tvi_stepper_curve, &tvi_stepper_curve_avx2, &tvi_stepper_curve_avx512},
     {&tvi_stepper_both_ends, &tvi_stepper_both_ends_avx2, &tvi_stepper_both_ends_avx512},
     {&tvi_stepper_taylor, &tvi_stepper_taylor_avx2, &tvi_stepper_taylor_avx512},
     {&tvi_stepper_galerkin, &tvi_stepper_galerkin_avx2, &tvi_stepper_galerkin_avx512},
+    {&tvi_stepper_constrained, &tvi_stepper_constrained_avx2, &tvi_stepper_constrained_avx512},
 };
 #else
 static const tvi_stepper *const steppers[][JET_ISA_COUNT] = {{NULL}};
@@ -255,7 +256,7 @@ const tvi_stepper *tvi_choose_stepper(const tvi_options *options, const tvi_syst
     const int least = descriptor->avx512_degrees.least, most = descriptor->avx512_degrees.most;
     const bool fits_avx512 = most == 0 || (least <= options->degree && options->degree <= most);
     if (isa == jet_isa_avx512 && !fits_avx512) isa = jet_isa_avx2;
-    return stepper_of_set(descriptor->stepper, isa);
+    return stepper_of_set(system->constraints ? &tvi_stepper_constrained : descriptor->stepper, isa);
 }
 
 tvi_options tvi_adjoint_options(const tvi_options *options)

@@ -152,6 +152,7 @@ enum { TVI_FORCE_POINTS = 2 + TVI_MAX_NODES };
 /* The functions that make the steps of one integrator. tvi_choose_stepper of method.c chooses the table by the method's
  * descriptor (descriptor.h). Each table stands at the end of its file:
  *     tvi_stepper_galerkin                       galerkin/galerkin.c
+ *     tvi_stepper_constrained                    galerkin/constrained.c
  *     tvi_stepper_curve, tvi_stepper_taylor      generating/step.c
  *     tvi_stepper_both_ends                      generating/both_ends.c
  *     tvi_stepper_composed                       method/composed.c
@@ -202,7 +203,7 @@ typedef struct {
 } tvi_stepper;
 
 extern const tvi_stepper tvi_stepper_curve, tvi_stepper_both_ends, tvi_stepper_taylor, tvi_stepper_composed,
-    tvi_stepper_galerkin;
+    tvi_stepper_galerkin, tvi_stepper_constrained;
 
 #endif
 #endif
