@@ -249,7 +249,8 @@ static tvi_status make_step(constrained_work *work, double h, bool may_extrapola
 }
 
 /* Makes a step, predicted from earlier steps. If the passes do not converge, or if the tail is so large that they may
- * have found another solution of the constraints than the one that is near, makes it again, predicted from its start. */
+ * have found another solution of the constraints than the one that is near, makes it again, predicted from its start.
+ */
 static tvi_status make_single_step(void *self, double h, const tvi_step_origin *origin,
                                    const tvi_increments *increments, tvi_stats *stats)
 {

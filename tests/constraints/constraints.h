@@ -10,6 +10,7 @@ Suite *suite_statement(void);
 Suite *suite_states(void);
 Suite *suite_starts(void);
 Suite *suite_work(void);
+Suite *suite_steps(void);
 
 enum { MOST_N = 4, MOST_M = 2 };
 

@@ -2,6 +2,6 @@
 #include "constraints.h"
 #include "problems/run_suites.h"
 
-static Suite *(*const suites[])(void) = {suite_statement, suite_states, suite_starts, suite_work};
+static Suite *(*const suites[])(void) = {suite_statement, suite_states, suite_starts, suite_work, suite_steps};
 
 int main(void) { return RUN_SUITES(suites); }

@@ -1,0 +1,293 @@
+/* test_steps.c - Tests steps on constraints: their order, that states stay on the constraints, reversal, the symplectic
+ * form, momenta, events, and results at times. */
+#include "constraints.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum { MOST_STEPS = 1 << 12 };
+
+typedef struct {
+    double t, q[MOST_N], p[MOST_N];
+} state;
+
+static state start_of(const problem *of, const tvi_system *system)
+{
+    state x = {.t = of->t};
+    memcpy(x.q, of->q, sizeof x.q);
+    memcpy(x.p, of->p, sizeof x.p);
+    ck_assert_int_eq(tvi_project(system, x.t, x.q, x.p), TVI_OK);
+    return x;
+}
+
+static tvi_integrator *integrator_of(const tvi_system *system, int order)
+{
+    tvi_options options;
+    tvi_integrator *integrator;
+    ck_assert_int_eq(tvi_options_named("galerkin", order, &options), TVI_OK);
+    options.max_tail = -1;
+    ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
+    return integrator;
+}
+
+/* The state after `steps` steps to the time `duration`. */
+static tvi_status run(const tvi_system *system, int order, double duration, long steps, state *x)
+{
+    tvi_integrator *integrator = integrator_of(system, order);
+    const tvi_status status = tvi_integrate(integrator, duration / (double)steps, steps, &x->t, x->q, x->p, NULL, NULL);
+    tvi_integrator_free(integrator);
+    return status;
+}
+
+static double distance(const problem *of, const state *x, const state *y)
+{
+    double most = 0;
+    for (int i = 0; i < of->n; i++) most = fmax(most, fmax(fabs(x->q[i] - y->q[i]), fabs(x->p[i] - y->p[i])));
+    return most;
+}
+
+/* ---- Orders ------------------------------------------------------------------------------------------------------ */
+
+/* The error of m nodes falls by 4^m with half the step: the quotient of the last two errors above roundoff. */
+static const int node_counts[] = {1, 2, 3, 4, 6, 8};
+enum { NODE_COUNTS = sizeof node_counts / sizeof *node_counts };
+START_TEST(orders)
+{
+    const problem *of = &problems[_i / NODE_COUNTS];
+    const int nodes = node_counts[_i % NODE_COUNTS];
+    tvi_system *system = system_of(of);
+    const state start = start_of(of, system);
+    const double duration = 0.5;
+    state end = start;
+    ck_assert_int_eq(run(system, 20, duration, 200, &end), TVI_OK);
+    double before = INFINITY, order = 0;
+    for (long steps = 1; steps <= MOST_STEPS; steps *= 2) {
+        state x = start;
+        if (run(system, 2 * nodes, duration, steps, &x) != TVI_OK) continue;
+        const double error = distance(of, &x, &end);
+        if (error < 1e-13) break;
+        if (before < 1e-3) order = log2(before / error);
+        before = error;
+    }
+    /* Where no error is above roundoff, as on a line, none shows the order. With many nodes only those of large steps
+     * are above it, which show less than the order. */
+    const double less = nodes < 4 ? 0.2 * nodes + 0.1 : 0.65 * nodes, more = nodes < 4 ? less : nodes + 0.2;
+    if (before < INFINITY && order > 0)
+        ck_assert_msg(-less < order - 2 * nodes && order - 2 * nodes < more,
+                      "%s, %d nodes: order %.2f at the error %.2g", of->name, nodes, order, before);
+    else ck_assert_msg(nodes >= 6 || before == INFINITY, "%s, %d nodes: error %.2g", of->name, nodes, before);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* ---- What is kept ------------------------------------------------------------------------------------------------ */
+
+/* A state after a step is on the constraints to some units of its size: to project it moves it by no more. */
+START_TEST(states_stay_on_constraints)
+{
+    const problem *of = &problems[_i];
+    tvi_system *system = system_of(of);
+    state x = start_of(of, system);
+    tvi_integrator *integrator = integrator_of(system, 12);
+    for (int step = 0; step < 200; step++) {
+        ck_assert_int_eq(tvi_step(integrator, 0.01, &x.t, x.q, x.p), TVI_OK);
+        state projected = x;
+        double size_q = 0, size_p = 0;
+        ck_assert_int_eq(tvi_project(system, x.t, projected.q, projected.p), TVI_OK);
+        for (int i = 0; i < of->n; i++) size_q = fmax(size_q, fabs(x.q[i])), size_p = fmax(size_p, fabs(x.p[i]));
+        for (int i = 0; i < of->n; i++) {
+            ck_assert_double_le(fabs(projected.q[i] - x.q[i]), 4 * DBL_EPSILON * size_q);
+            ck_assert_double_le(fabs(projected.p[i] - x.p[i]), 8 * DBL_EPSILON * (size_p + 1));
+        }
+    }
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
+START_TEST(steps_are_reversible)
+{
+    const problem *of = &problems[_i];
+    tvi_system *system = system_of(of);
+    const state start = start_of(of, system);
+    state x = start, there;
+    tvi_integrator *integrator = integrator_of(system, 6);
+    ck_assert_int_eq(tvi_integrate(integrator, 0.05, 20, &x.t, x.q, x.p, NULL, NULL), TVI_OK);
+    there = x;
+    ck_assert_int_eq(tvi_integrate(integrator, -0.05, 20, &x.t, x.q, x.p, NULL, NULL), TVI_OK);
+    ck_assert_double_gt(distance(of, &there, &start), 0.01);
+    ck_assert_double_le(distance(of, &x, &start), 1e-12);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* The symplectic form of two tangent vectors of the constraints, by differences of projected states. */
+static double form_of(const problem *of, const state near[2][2])
+{
+    double sum = 0;
+    for (int i = 0; i < of->n; i++)
+        sum += (near[0][1].q[i] - near[0][0].q[i]) * (near[1][1].p[i] - near[1][0].p[i]) -
+               (near[0][1].p[i] - near[0][0].p[i]) * (near[1][1].q[i] - near[1][0].q[i]);
+    return sum;
+}
+
+/* A large step of low order changes the energy, but not the symplectic form: differences of states 2 delta apart see it
+ * with an error of delta^2. Friction, which the driven pendulum has, changes it. */
+START_TEST(steps_are_symplectic)
+{
+    static const double DELTA = 1e-4;
+    const problem *of = &problems[_i];
+    tvi_system *system = system_of(of);
+    const state start = start_of(of, system);
+    state near[2][2];
+    for (int way = 0; way < 2; way++)
+        for (int side = 0; side < 2; side++) {
+            state *x = &near[way][side];
+            *x = start;
+            for (int i = 0; i < of->n; i++) {
+                x->q[i] += (side ? DELTA : -DELTA) * cos(1 + 3 * i + 5 * way);
+                x->p[i] += (side ? DELTA : -DELTA) * sin(2 + 7 * i + 4 * way);
+            }
+            ck_assert_int_eq(tvi_project(system, x->t, x->q, x->p), TVI_OK);
+        }
+    const double before = form_of(of, (const state(*)[2])near);
+    for (int k = 0; k < 4; k++) ck_assert_int_eq(run(system, 4, 0.2, 1, &near[k / 2][k % 2]), TVI_OK);
+    const double size = 4 * DELTA * DELTA, after = form_of(of, (const state(*)[2])near);
+    const double change = fabs(after - before) / size;
+    if (strcmp(of->name, "driven pendulum") == 0) ck_assert_double_gt(change, 1e-3);
+    else ck_assert_msg(change < 1e-5, "%s: %.3g of %.3g", of->name, change, before / size);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* ---- A molecule that is free ------------------------------------------------------------------------------------- */
+
+static jet spring(const jet q[], jet t, void *ctx)
+{
+    const jet d[] = {jet_sub(q[0], q[4]), jet_sub(q[1], q[5])};
+    (void)t, (void)ctx;
+    return jet_exp(jet_neg(jet_dot(d, d, 2)));
+}
+
+static void two_bonds(const jet q[], jet t, jet value[], void *ctx)
+{
+    (void)t, (void)ctx;
+    for (int k = 0; k < 2; k++) {
+        const jet d[] = {jet_sub(q[2 * k + 2], q[2 * k]), jet_sub(q[2 * k + 3], q[2 * k + 1])};
+        value[k] = jet_sub(jet_dot(d, d, 2), 1);
+    }
+}
+
+/* Forces between points, constraints included, keep both momenta of the plane to roundoff at any step. */
+START_TEST(momenta_are_kept)
+{
+    const double mass[] = {1, 1, 3, 3, 0.25, 0.25};
+    tvi_system *base, *system;
+    double t = 0, q[] = {-1, 0.1, 0, 0, 0.6, 0.8}, p[] = {0.1, 0.7, -0.4, -0.5, 0.2, 0.3}, of_start[3], size = 0;
+    ck_assert_int_eq(tvi_system_potential(&base, 6, mass, spring, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_system_constrained(&system, base, 2, two_bonds, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_project(system, t, q, p), TVI_OK);
+    tvi_integrator *integrator = integrator_of(system, 6);
+    for (int step = 0; step <= 400; step++) {
+        double kept[3] = {0};
+        for (int k = 0; k < 3; k++) {
+            kept[0] += p[2 * k];
+            kept[1] += p[2 * k + 1];
+            kept[2] += q[2 * k] * p[2 * k + 1] - q[2 * k + 1] * p[2 * k];
+        }
+        if (step == 0) memcpy(of_start, kept, sizeof kept);
+        for (int k = 0; k < 3; k++) ck_assert_double_le(fabs(kept[k] - of_start[k]), 1e-13 * (1 + size));
+        size = fmax(size, fabs(q[0]) + fabs(q[1]));
+        ck_assert_int_eq(tvi_step(integrator, 0.25, &t, q, p), TVI_OK);
+    }
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+    tvi_system_free(base);
+}
+END_TEST
+
+/* ---- Runs -------------------------------------------------------------------------------------------------------- */
+
+static int keep_state(long step, double t, const double q[], const double p[], void *ctx)
+{
+    state *x = ctx;
+    (void)step;
+    x->t = t;
+    memcpy(x->q, q, sizeof x->q);
+    memcpy(x->p, p, sizeof x->p);
+    return 0;
+}
+
+/* Results at a time between two steps, and of a run that ends there, are those of steps that fit. */
+START_TEST(results_at_times)
+{
+    const problem *of = &problems[_i];
+    tvi_system *system = system_of(of);
+    state x = start_of(of, system), to_time = x, seen = x, end = x;
+    tvi_integrator *integrator = integrator_of(system, 16);
+    const double when = of->t + 0.173;
+    ck_assert_int_eq(tvi_integrate_at(integrator, 0.02, &when, 1, &x.t, x.q, x.p, keep_state, &seen), TVI_OK);
+    ck_assert_int_eq(tvi_integrate_to(integrator, 0.02, when, &to_time.t, to_time.q, to_time.p, NULL, NULL), TVI_OK);
+    ck_assert_int_eq(run(system, 16, 0.173, 9, &end), TVI_OK);
+    ck_assert_double_le(distance(of, &seen, &end), 1e-12);
+    ck_assert_double_le(distance(of, &to_time, &end), 1e-12);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
+static jet first_coordinate(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t, (void)ctx;
+    return jet_sub(q[0], 0.5);
+}
+
+/* The pendulum passes x = 0.5 at times that do not depend on the step, on the constraint. */
+START_TEST(events_of_a_pendulum)
+{
+    const problem *of = &problems[PENDULUM];
+    tvi_system *system = system_of(of);
+    tvi_event *event;
+    double found[2];
+    ck_assert_int_eq(tvi_event_create(&event, of->n, TVI_EITHER, true, first_coordinate, NULL), TVI_OK);
+    for (int k = 0; k < 2; k++) {
+        state x = start_of(of, system);
+        double phi, rate;
+        tvi_integrator *integrator = integrator_of(system, 16);
+        const tvi_event *const events[] = {event};
+        ck_assert_int_eq(
+            tvi_integrate_events(integrator, k ? 0.05 : 0.031, 100, events, 1, &x.t, x.q, x.p, NULL, NULL, NULL),
+            TVI_ESTOPPED);
+        found[k] = x.t;
+        ck_assert_double_eq_tol(x.q[0], 0.5, 1e-14);
+        ck_assert_int_eq(tvi_constraint_values(system, x.t, x.q, x.p, &phi, &rate), TVI_OK);
+        ck_assert_double_le(fabs(phi), 1e-14);
+        ck_assert_double_le(fabs(rate), 1e-13);
+        tvi_integrator_free(integrator);
+    }
+    ck_assert_double_eq_tol(found[0], found[1], 1e-13);
+    tvi_event_free(event);
+    tvi_system_free(system);
+}
+END_TEST
+
+Suite *suite_steps(void)
+{
+    Suite *suite = suite_create("steps");
+    TCase *tcase = tcase_create("orders");
+    tcase_add_loop_test(tcase, orders, 0, problem_count * NODE_COUNTS);
+    suite_add_tcase(suite, tcase);
+    tcase = tcase_create("kept");
+    tcase_add_loop_test(tcase, states_stay_on_constraints, 0, problem_count);
+    tcase_add_loop_test(tcase, steps_are_reversible, 0, problem_count);
+    tcase_add_loop_test(tcase, steps_are_symplectic, 0, problem_count);
+    tcase_add_test(tcase, momenta_are_kept);
+    suite_add_tcase(suite, tcase);
+    tcase = tcase_create("runs");
+    tcase_add_loop_test(tcase, results_at_times, 0, problem_count);
+    tcase_add_test(tcase, events_of_a_pendulum);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}
