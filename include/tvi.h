@@ -141,17 +141,15 @@ TVI_NODISCARD tvi_status tvi_system_driven(tvi_system **out, const tvi_system *s
 
 /* The constraints phi(q, t) = 0: the function sets value[0..m-1]. */
 typedef void tvi_constraint_fn(const jet q[], jet t, jet value[], void *ctx);
-/* Creates the same system on phi = 0, for "galerkin": dp/dt gets the forces of constraint -sum_k lambda_k dphi_k/dq,
- * whose multipliers lambda the steps find. q and p keep their n numbers, p stays what it was (M v), and so does
- * tvi_energy, which is kept if phi does not depend on t. 0 < m < n; each phi_k may have a unit of its own, and is best
- * written in differences of coordinates. A parameter has the same value in phi as in the system. A run begins at a
- * state that is on the constraints to half of its digits, and puts it onto them to roundoff; another state is refused
- * with TVI_EINVAL, and tvi_project moves it. It shares nothing with the system. Tangent maps, rescaled steps and
- * compiled code do not serve it yet.
- *   TVI_EINVAL        m < 1 or m >= n, a phi_k that is a number or a function of t alone, an output left unset, NULL
- *   TVI_EUNSUPPORTED  a rescaled system, one that is constrained already
- *   others            as of tvi_system_hamiltonian
- * *out is NULL on failure. */
+/* Creates the same system on phi = 0, for "galerkin" and, as RATTLE, "stormer-verlet": dp/dt gets the forces of
+ * constraint -sum_k lambda_k dphi_k/dq, whose multipliers lambda the steps find. q and p keep their n numbers, p stays
+ * what it was (M v), and so does tvi_energy, which is kept if phi does not depend on t. 0 < m < n; each phi_k may have
+ * a unit of its own, and is best written in differences of coordinates. A parameter has the same value in phi as in the
+ * system. A run begins at a state that is on the constraints to half of its digits, and puts it onto them to roundoff;
+ * another state is refused with TVI_EINVAL, and tvi_project moves it. It shares nothing with the system. Tangent maps,
+ * rescaled steps and compiled code do not serve it yet.   TVI_EINVAL        m < 1 or m >= n, a phi_k that is a number
+ * or a function of t alone, an output left unset, NULL   TVI_EUNSUPPORTED  a rescaled system, one that is constrained
+ * already   others            as of tvi_system_hamiltonian *out is NULL on failure. */
 TVI_NODISCARD tvi_status tvi_system_constrained(tvi_system **out, const tvi_system *system, int m,
                                                 tvi_constraint_fn *constraint, void *ctx);
 

@@ -157,5 +157,6 @@ const tvi_descriptor tvi_galerkin = {
     .adjoint = &tvi_galerkin,
     .quadrature = TVI_GAUSS_OF_DEGREE,
     .stepper = &tvi_stepper_galerkin,
+    .constrained = &tvi_stepper_constrained,
     .avx512_degrees = {5, 8}, /* these numbers of nodes fill a vector of eight */
 };

@@ -58,15 +58,14 @@ typedef struct {
 /* ---- Methods ----------------------------------------------------------------------------------------------------- */
 
 /* The forms of systems, as bits: separable, with a Lagrangian, with a Hamiltonian whose H_pp is regular, with one
- * whose H_pp is singular everywhere, driven, a field of rates, and any of them with constraints. */
+ * whose H_pp is singular everywhere, driven, and a field of rates. */
 enum {
     TVI_SUPPORTS_SEPARABLE = 1,
     TVI_SUPPORTS_LAGRANGIAN = 2,
     TVI_SUPPORTS_REGULAR = 4,
     TVI_SUPPORTS_DEGENERATE = 8,
     TVI_SUPPORTS_DRIVEN = 16,
-    TVI_SUPPORTS_FIELD = 32,
-    TVI_SUPPORTS_CONSTRAINED = 64
+    TVI_SUPPORTS_FIELD = 32
 };
 /* The forms of systems that a method can integrate, as a sum of the values above, and the error message for other
  * forms. */
@@ -129,7 +128,8 @@ struct tvi_descriptor {
     /* The equations of the method need momenta that are conjugate to the coordinates. The tangent map is therefore
      * computed by the lift with conjugate momenta (TVI_LIFT_PAIRED; docs/method.md, section 10). */
     bool needs_conjugate_momenta;
-    const tvi_stepper *stepper; /* for the base instruction set */
+    const tvi_stepper *stepper;     /* for the base instruction set */
+    const tvi_stepper *constrained; /* the stepper for systems with constraints; NULL: they are refused */
     /* The degrees for which the stepper is compiled for AVX-512, where a processor has it; for others AVX2 is taken.
      * Not given: all. */
     struct {

@@ -20,7 +20,7 @@ enum {
     HAMILTON_SUPPORTS = TVI_SUPPORTS_SEPARABLE | TVI_SUPPORTS_REGULAR | TVI_SUPPORTS_DEGENERATE
 };
 const tvi_supported_forms tvi_supports_all = {
-    TYPE1_SUPPORTS | HAMILTON_SUPPORTS | TVI_SUPPORTS_DRIVEN | TVI_SUPPORTS_FIELD | TVI_SUPPORTS_CONSTRAINED, NULL};
+    TYPE1_SUPPORTS | HAMILTON_SUPPORTS | TVI_SUPPORTS_DRIVEN | TVI_SUPPORTS_FIELD, NULL};
 const tvi_supported_forms tvi_supports_all_but_field = {TYPE1_SUPPORTS | HAMILTON_SUPPORTS | TVI_SUPPORTS_DRIVEN, NULL};
 const tvi_supported_forms tvi_supports_type1 = {
     TYPE1_SUPPORTS,
@@ -105,7 +105,8 @@ static tvi_status check_option_ranges(const tvi_options *options, const char **w
 static const char *find_why_unsupported(const tvi_descriptor *descriptor, const tvi_system *system)
 {
     const int forms = descriptor->supports->form_mask;
-    if (system->constraints && !(forms & TVI_SUPPORTS_CONSTRAINED)) return "a constrained system is for galerkin";
+    if (system->constraints && !descriptor->constrained)
+        return "a constrained system is for galerkin, or stormer-verlet (RATTLE)";
     if (system->is_driven)
         return forms & TVI_SUPPORTS_DRIVEN ? NULL
                                            : "a driven system has no generating function: take galerkin or taylor";
@@ -196,6 +197,8 @@ static tvi_status resolve_options(tvi_options *options, const tvi_system *system
         return refuse_with_reason(TVI_EUNSUPPORTED, "compose_adjoint is for generating functions", why);
     const char *reason = system ? find_why_unsupported(descriptor, system) : NULL;
     if (reason) return refuse_with_reason(TVI_EUNSUPPORTED, reason, why);
+    if (system && system->constraints && options->passes != 0)
+        return refuse_with_reason(TVI_EUNSUPPORTED, "a step on constraints makes as many passes as it needs", why);
     const bool is_order_requested = options->degree == 0;
     status = resolve_degree(options, descriptor, why);
     if (status != TVI_OK) return status;
@@ -256,7 +259,7 @@ const tvi_stepper *tvi_choose_stepper(const tvi_options *options, const tvi_syst
     const int least = descriptor->avx512_degrees.least, most = descriptor->avx512_degrees.most;
     const bool fits_avx512 = most == 0 || (least <= options->degree && options->degree <= most);
     if (isa == jet_isa_avx512 && !fits_avx512) isa = jet_isa_avx2;
-    return stepper_of_set(system->constraints ? &tvi_stepper_constrained : descriptor->stepper, isa);
+    return stepper_of_set(system->constraints ? descriptor->constrained : descriptor->stepper, isa);
 }
 
 tvi_options tvi_adjoint_options(const tvi_options *options)

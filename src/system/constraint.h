@@ -71,8 +71,17 @@ TVI_NODISCARD tvi_status tvi_constraint_evaluate(tvi_constraint_work *work, doub
 TVI_NODISCARD tvi_status tvi_constraint_multipliers(tvi_constraint_work *work, double t, const double q[],
                                                     const double p[], double lambda[]);
 
-/* Sets force [n] to the force of constraint -G^T lambda at the state at which multipliers were computed last. */
+/* Sets force [n] to the force of constraint -G^T lambda where phi was evaluated last. */
 void tvi_constraint_force(const tvi_constraint_work *work, const double lambda[], double force[]);
+
+/* Sets W and the factor of S at a state. */
+TVI_NODISCARD tvi_status tvi_constraint_factor(tvi_constraint_work *work, double t, const double q[], const double p[]);
+/* Computes y <- S^-1 y, [m], with the S that was factored last. */
+void tvi_constraint_solve(const tvi_constraint_work *work, double y[]);
+/* Computes phi [m] at q. */
+TVI_NODISCARD tvi_status tvi_constraint_phi(tvi_constraint_work *work, double t, const double q[], double value[]);
+/* Copies the entries of G where phi was evaluated last. */
+void tvi_constraint_get_G(const tvi_constraint_work *work, double G[]);
 
 /* Moves (q + q_low, p + p_low) onto phi = 0 along W G^T, and then onto phi' = 0 along G^T, by Newton's method to
  * roundoff; the low-order parts are set, too. With is_near, it refuses a state whose correction is more than 2^-26 of

@@ -273,8 +273,7 @@ static tvi_status factor_S(tvi_constraint_work *work)
     return TVI_OK;
 }
 
-/* Computes y <- S^-1 y. */
-static void solve_with_S(const tvi_constraint_work *work, double y[])
+void tvi_constraint_solve(const tvi_constraint_work *work, double y[])
 {
     const size_t m = (size_t)work->system->constraints->count;
     for (size_t k = 0; k < m; k++) {
@@ -287,6 +286,25 @@ static void solve_with_S(const tvi_constraint_work *work, double y[])
         for (size_t l = 0; l < k; l++) y[l] -= work->S[k * m + l] * y[k];
         y[k] *= work->scale[k];
     }
+}
+
+tvi_status tvi_constraint_factor(tvi_constraint_work *work, double t, const double q[], const double p[])
+{
+    tvi_status status = tvi_constraint_set_W(work, t, q, p);
+    if (status == TVI_OK) status = evaluate_values(work, t, q);
+    return status == TVI_OK ? factor_S(work) : status;
+}
+
+tvi_status tvi_constraint_phi(tvi_constraint_work *work, double t, const double q[], double value[])
+{
+    const tvi_status status = evaluate_values(work, t, q);
+    for (int k = 0; k < work->system->constraints->count && status == TVI_OK; k++) value[k] = phi_of(work, k);
+    return status;
+}
+
+void tvi_constraint_get_G(const tvi_constraint_work *work, double G[])
+{
+    for (int e = 0; e < work->system->constraints->entry_count; e++) G[e] = entry_of_G(work, e);
 }
 
 /* ---- Multipliers ------------------------------------------------------------------------------------------------- */
@@ -331,7 +349,7 @@ tvi_status tvi_constraint_multipliers(tvi_constraint_work *work, double t, const
     if (status != TVI_OK) return status;
     compute_free_acceleration(work);
     for (int k = 0; k < m; k++) work->residual[k] = multiply_row_of_G(work, k, work->correction) + rate_of(work, m + k);
-    solve_with_S(work, work->residual);
+    tvi_constraint_solve(work, work->residual);
     if (!tvi_all_finite(m, work->residual)) return tvi_refuse_failed_evaluation("multipliers", TVI_ENONFINITE);
     memcpy(lambda, work->residual, (size_t)m * sizeof *lambda);
     return TVI_OK;
@@ -409,7 +427,7 @@ static tvi_status project_coordinates(tvi_constraint_work *work, double t, bool 
         if (status == TVI_OK) status = factor_S(work);
         if (status != TVI_OK) return status;
         for (int k = 0; k < m; k++) work->residual[k] = phi_of(work, k) + multiply_row_of_G(work, k, work->moved.q_low);
-        solve_with_S(work, work->residual);
+        tvi_constraint_solve(work, work->residual);
         multiply_by_W_G_transposed(work, work->residual, work->correction);
         if (!tvi_all_finite(n, work->correction)) break;
         judged = judge_correction(&passes, tvi_largest_magnitude(n, work->correction, 1),
@@ -442,7 +460,7 @@ static tvi_status project_momenta(tvi_constraint_work *work, double t, bool is_n
         if (status == TVI_OK) status = factor_S(work);
         if (status != TVI_OK) return status;
         for (int k = 0; k < m; k++) work->residual[k] = rate_of(work, k);
-        solve_with_S(work, work->residual);
+        tvi_constraint_solve(work, work->residual);
         multiply_by_W_G_transposed(work, work->residual, work->correction);
         const double size = tvi_largest_magnitude(n, work->velocity, 1);
         if (!tvi_all_finite(n, work->correction)) break;

@@ -208,14 +208,14 @@ START_TEST(tangents_are_refused)
 }
 END_TEST
 
-/* All methods but one. */
+/* All methods but "galerkin" and "stormer-verlet", and numbers of passes that the user chooses. */
 START_TEST(methods_that_are_refused)
 {
     static const struct {
         const char *name;
         int order;
-    } methods[] = {{"midpoint", 8}, {"start", 4},  {"end", 4}, {"both-ends", 4}, {"right", 4},         {"left", 4},
-                   {"poincare", 4}, {"taylor", 8}, {"tvi", 4}, {"svhd", 2},      {"stormer-verlet", 2}};
+    } methods[] = {{"midpoint", 8}, {"start", 4},    {"end", 4},    {"both-ends", 4}, {"right", 4},
+                   {"left", 4},     {"poincare", 4}, {"taylor", 8}, {"tvi", 4},       {"svhd", 2}};
     tvi_system *system = system_of(&problems[_i]);
     tvi_options options;
     for (size_t i = 0; i < sizeof methods / sizeof *methods; i++) {
@@ -224,6 +224,10 @@ START_TEST(methods_that_are_refused)
     }
     ck_assert_int_eq(tvi_options_named("galerkin", 8, &options), TVI_OK);
     ck_assert_int_eq(tvi_options_check(system, &options, NULL), TVI_OK);
+    options.passes = 3;
+    refused("as many passes as it needs", tvi_options_check(system, &options, NULL), TVI_EUNSUPPORTED);
+    options.passes = TVI_PREDICT_ONLY;
+    refused("as many passes as it needs", tvi_options_check(system, &options, NULL), TVI_EUNSUPPORTED);
     tvi_system_free(system);
 }
 END_TEST

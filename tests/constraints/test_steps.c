@@ -162,6 +162,46 @@ START_TEST(steps_are_symplectic)
 }
 END_TEST
 
+/* ---- RATTLE ------------------------------------------------------------------------------------------------------ */
+
+/* "stormer-verlet" on constraints is of order 2, stays on them, and goes back; it is for the systems that it is for
+ * without them. */
+START_TEST(rattle)
+{
+    const problem *of = &problems[_i];
+    tvi_system *base = base_of(of), *system = system_of(of);
+    tvi_options options;
+    tvi_integrator *integrator;
+    double error[2] = {0};
+    ck_assert_int_eq(tvi_options_named("stormer-verlet", 2, &options), TVI_OK);
+    const tvi_status status = tvi_integrator_create(&integrator, base, &options);
+    tvi_integrator_free(integrator);
+    ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), status);
+    tvi_integrator_free(integrator);
+    for (int k = 0; k < 2 && status == TVI_OK; k++) {
+        const state start = start_of(of, system);
+        state x = start, end = start;
+        const long steps = 50 << k;
+        const double h = 0.5 / (double)steps;
+        ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
+        ck_assert_int_eq(run(system, 16, 0.5, 50, &end), TVI_OK);
+        ck_assert_int_eq(tvi_integrate(integrator, h, steps, &x.t, x.q, x.p, NULL, NULL), TVI_OK);
+        error[k] = distance(of, &x, &end);
+        state projected = x;
+        ck_assert_int_eq(tvi_project(system, x.t, projected.q, projected.p), TVI_OK);
+        ck_assert_double_le(distance(of, &x, &projected), 1e-14);
+        ck_assert_int_eq(tvi_integrate(integrator, -h, steps, &x.t, x.q, x.p, NULL, NULL), TVI_OK);
+        ck_assert_double_le(distance(of, &x, &start), 1e-12);
+        tvi_integrator_free(integrator);
+    }
+    if (status == TVI_OK && error[1] > 1e-12)
+        ck_assert_msg(fabs(log2(error[0] / error[1]) - 2) < 0.1, "%s: errors %.3g and %.3g", of->name, error[0],
+                      error[1]);
+    tvi_system_free(system);
+    tvi_system_free(base);
+}
+END_TEST
+
 /* ---- A molecule that is free ------------------------------------------------------------------------------------- */
 
 static jet spring(const jet q[], jet t, void *ctx)
@@ -283,6 +323,7 @@ Suite *suite_steps(void)
     tcase_add_loop_test(tcase, states_stay_on_constraints, 0, problem_count);
     tcase_add_loop_test(tcase, steps_are_reversible, 0, problem_count);
     tcase_add_loop_test(tcase, steps_are_symplectic, 0, problem_count);
+    tcase_add_loop_test(tcase, rattle, 0, problem_count);
     tcase_add_test(tcase, momenta_are_kept);
     suite_add_tcase(suite, tcase);
     tcase = tcase_create("runs");
