@@ -85,6 +85,7 @@ START_TEST(projection_goes_by_masses)
     }
     ck_assert_double_gt(moved, 1e-4);
     ck_assert_double_lt(fabs(along), 2 * moved);
+    tvi_system_free(system);
 }
 END_TEST
 
