@@ -18,6 +18,7 @@
 /* [1], [passes] Movements of at most this part that no longer shrink are roundoff after so many passes. */
 #define CONSTRAINT_ROUNDOFF        (256 * DBL_EPSILON) /* found: make longrun */
 #define CONSTRAINT_ROUNDOFF_PASSES 4                   /* found: make longrun */
+
 /* ---- Memory and tables ------------------------------------------------------------------------------------------- */
 
 /* Finds the first constraint that shares a coordinate with constraint k. */
@@ -257,13 +258,10 @@ static tvi_status make_single_step(void *self, double h, const tvi_step_origin *
     constrained_work *work = self;
     galerkin_history *history = work->galerkin->predictor.history;
     const galerkin_history before = *history;
-    const size_t bytes = (size_t)work->nodes.n * sizeof(double);
     bool is_extrapolated;
     const tvi_status status = make_step(work, h, true, origin, increments, &is_extrapolated, stats);
     if (!is_extrapolated || (status == TVI_OK && stats->tail <= CONSTRAINT_DOUBTFUL_TAIL)) return status;
     *history = before;
-    memset(increments->dq_low, 0, bytes);
-    memset(increments->dp_low, 0, bytes);
     return make_step(work, h, false, origin, increments, &is_extrapolated, stats);
 }
 

@@ -328,7 +328,7 @@ void tvi_constrained_interpolate(void *self, double theta, double dq[], double d
     const constrained_work *work = self;
     const tvi_component_range all = {0, work->nodes.n};
     double single[LOBATTO_MAX], twice[LOBATTO_MAX];
-    tvi_lobatto_integrate(work->tables.node_count, theta, single, twice);
+    tvi_lobatto_integrate(&work->tables, theta, single, twice);
     tvi_galerkin_interpolate(work->galerkin, theta, dq, dp);
     if (work->galerkin->step.is_separable) add_constraint_curve(work, all, 1, twice, work->nodes.hW, dq);
     add_constraint_curve(work, all, 1, single, NULL, dp);

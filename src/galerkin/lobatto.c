@@ -49,14 +49,14 @@ static void lobatto_nodes(int m, long double d[], long double w[])
     }
 }
 
-void tvi_lobatto_integrate(int m, double s, double single[], double twice[])
+void tvi_lobatto_integrate(const galerkin_lobatto *lobatto, double s, double single[], double twice[])
 {
-    long double d[LOBATTO_MAX], w[LOBATTO_MAX], P[LOBATTO_MAX + 1], I[LOBATTO_MAX + 1], II[LOBATTO_MAX + 1];
-    lobatto_nodes(m, d, w);
+    const int m = lobatto->node_count;
+    long double P[LOBATTO_MAX + 1], I[LOBATTO_MAX + 1], II[LOBATTO_MAX + 1];
     integrate_legendre(m, s, I, II);
     for (int j = 0; j <= m; j++) {
         long double first = 0, second = 0;
-        evaluate_legendre(m, d[j], P);
+        evaluate_legendre(m, lobatto->exact_d[j], P);
         for (int k = m; k >= 0; k--) {
             first += inverse_norm(m, k) * P[k] * I[k];
             second += inverse_norm(m, k) * P[k] * II[k];
@@ -204,7 +204,7 @@ static void set_fit(int m, const long double d[], int step_count, int degree, do
 static void set_weights(galerkin_lobatto *lobatto, const both_nodes *nodes)
 {
     const int m = lobatto->node_count;
-    long double d[LOBATTO_MAX], w[LOBATTO_MAX], P[LOBATTO_MAX + 1];
+    long double *d = lobatto->exact_d, w[LOBATTO_MAX], P[LOBATTO_MAX + 1];
     double single[LOBATTO_MAX], twice[LOBATTO_MAX];
     lobatto_nodes(m, d, w);
     for (int j = 0; j <= m; j++) {
@@ -216,7 +216,7 @@ static void set_weights(galerkin_lobatto *lobatto, const both_nodes *nodes)
     set_fit(m, d, 2, m > 1 ? 3 * m / 2 : 1, lobatto->two_steps);
     set_fit(m, d, 1, m, lobatto->last_step);
     for (int place = 0; place < TVI_SAMPLES; place++) {
-        tvi_lobatto_integrate(m, tvi_sample_theta[place], single, twice);
+        tvi_lobatto_integrate(lobatto, tvi_sample_theta[place], single, twice);
         for (int j = 0; j <= m; j++) {
             lobatto->single_samples[j * TVI_SAMPLES + place] = single[j];
             lobatto->double_samples[j * TVI_SAMPLES + place] = twice[j];

@@ -33,6 +33,7 @@ typedef struct {
     /* [2 (m + 1)][m + 1] and [m + 1][m + 1]: the factors of the multipliers of the last two steps, the last one first,
      * or of the last step alone, in those of the next step of the same size. */
     double *two_steps, *last_step;
+    long double exact_d[LOBATTO_MAX];
     double *single_samples, *double_samples; /* [m + 1][TVI_SAMPLES] the integrals of tvi_lobatto_integrate */
 } galerkin_lobatto;
 
@@ -42,6 +43,6 @@ void tvi_lobatto_compute(galerkin_lobatto *lobatto, const galerkin_coefficients 
 
 /* Computes the integrals of the polynomials l_j of degree m through the Lobatto nodes: single[j] = int_0^s l_j(r) / w_j
  * dr and twice[j] = int_0^s (s - r) l_j(r) / w_j dr, j <= m. */
-void tvi_lobatto_integrate(int node_count, double s, double single[], double twice[]);
+void tvi_lobatto_integrate(const galerkin_lobatto *lobatto, double s, double single[], double twice[]);
 
 #endif
