@@ -15,6 +15,7 @@
 #define TVI_HPP
 
 #include "tvi_bodies.h"
+#include "tvi_rigid.h"
 
 #include <cmath>
 #include <exception>
@@ -324,6 +325,24 @@ class gravity : public system
     {
         detail::no_observer none;
         own(none, [&](tvi_system **out, void *) { return tvi_bodies_system(out, &bodies); });
+    }
+};
+
+/* Rigid bodies with joints and gravity: tvi_rigid_system. The callable, a potential beside that of gravity, is jet
+ * function(const jet *q, jet t). */
+class rigid : public system
+{
+  public:
+    explicit rigid(const tvi_rigid &bodies)
+    {
+        detail::no_observer none;
+        own(none, [&](tvi_system **out, void *) { return tvi_rigid_system(out, &bodies, nullptr, nullptr); });
+    }
+    template <class Function> rigid(const tvi_rigid &bodies, Function function)
+    {
+        own(function, [&](tvi_system **out, void *g) {
+            return tvi_rigid_system(out, &bodies, detail::potential_of<Function>, g);
+        });
     }
 };
 

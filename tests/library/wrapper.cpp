@@ -116,6 +116,29 @@ static void bodies()
     expect("a count", throws([&] { tvi::gravity wrapped(pair); }, TVI_EINVAL, "bodies = -1431655765 is not"));
 }
 
+/* A rod that hangs from a point, with a spring to it, beside the same without one; and what is refused. */
+static void rigid()
+{
+    tvi_rigid_body rod = tvi_rigid_rod(3, 2);
+    tvi_joint joint = tvi_joint();
+    joint.kind = TVI_BALL, joint.other = TVI_WORLD, joint.point[0] = -1;
+    tvi_rigid hung = tvi_rigid();
+    hung.bodies = 1, hung.axes = 2, hung.body = &rod, hung.joints = 1, hung.joint = &joint, hung.gravity[1] = -9.8;
+    tvi_rigid_motion motion = tvi_rigid_motion();
+    motion.point[0] = -1, motion.omega[2] = 0.5;
+    std::vector<double> q(4), p(4);
+    expect("a state", tvi_rigid_state(&hung, 0, &motion, q.data(), p.data()) == TVI_OK);
+    const double stiffness = 7;
+    const tvi::rigid plain(hung), sprung(hung, [&](const jet *x, jet) { return 0.5 * stiffness * (x[0] * x[0]); });
+    expect("energy", std::fabs(plain.energy(0, q, p) - 0.5) < 1e-15);
+    expect("with a spring", std::fabs(sprung.energy(0, q, p) - 4) < 1e-14);
+    tvi::integrator run(sprung);
+    double t = 0;
+    expect("steps", run.integrate(0.05, 100, t, q, p) && std::fabs(sprung.energy(0, q, p) - 4) < 1e-13);
+    rod.mass = -3;
+    expect("a mass", throws([&] { tvi::rigid light(hung); }, TVI_EINVAL, "body[0].mass = -3 is not positive"));
+}
+
 static void errors()
 {
     const auto unset = [](const jet *, jet, jet *f) { f[0] = 1; };
@@ -391,6 +414,7 @@ int main()
     same_bits_as_c();
     every_system();
     bodies();
+    rigid();
     errors();
     thrown_by_users();
     runs();
