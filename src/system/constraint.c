@@ -231,6 +231,9 @@ tvi_status tvi_system_constrained(tvi_system **out, const tvi_system *system, in
         return status;
     }
     (*out)->constraints = constraints;
+    /* Constraints tie components that do not act on each other. */
+    tvi_subsystems *all[2] = {&(*out)->subsystems, &(*out)->tail.subsystems};
+    for (int k = 0; k < 2; k++) all[k]->count = 1;
     (*out)->axes = 0; /* The field is not all of the forces on bodies (integrator/defect.c). */
     return TVI_OK;
 }
