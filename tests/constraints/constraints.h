@@ -11,6 +11,10 @@ Suite *suite_states(void);
 Suite *suite_starts(void);
 Suite *suite_work(void);
 Suite *suite_steps(void);
+Suite *suite_joints(void);
+Suite *suite_rigid(void);
+Suite *suite_linkages(void);
+Suite *suite_wrong_bodies(void);
 
 enum { MOST_N = 4, MOST_M = 2 };
 
