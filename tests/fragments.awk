@@ -13,7 +13,7 @@ function find_calls(s)
 {
     while (match(s, /tvi_[a-z_]+\(/)) {
         call = substr(s, RSTART, RLENGTH - 1)
-        if (call !~ /_(free|default|error|order)$|^tvi_bodies_[^s]/) calls[call] = 1
+        if (call !~ /_(free|default|error|order)$|^tvi_bodies_[^s]|^tvi_rigid_(force|point|torque|turn)/) calls[call] = 1
         s = substr(s, RSTART + RLENGTH)
     }
 }
@@ -22,8 +22,8 @@ function fragment()
 {
     if (below == "") { below = above; above = "" }
     count++
-    body = body "\n" above "static bool fragment_" count "(void)\n{\n    START\n    {\n" below "    }\n"
-    body = body "    return ends_well(\"" where "\", integrator, t, q, p);\n}\n"
+    body = body "\n" above "static bool fragment_" count "(void)\n{\n    START\n    {\n" below
+    body = body "        return ends_well(\"" where "\", integrator, t, q, p);\n    }\n}\n"
 }
 
 END {

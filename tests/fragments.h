@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <tvi_bodies.h>
+#include <tvi_rigid.h>
 
 static const double pi = 3.14159;
 static bool all_checked = true;
