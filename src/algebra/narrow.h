@@ -1,5 +1,5 @@
 /* narrow.h - Finds a sign change of a function in a bracket. The search for events (events/finish.c)
- * and the computation of states at given times (integrator/partial_step.c) call it. */
+ * and the computation of states at given times (integrator/inside_step.c) call it. */
 #ifndef TVI_SRC_ALGEBRA_NARROW_H
 #define TVI_SRC_ALGEBRA_NARROW_H
 

@@ -7,7 +7,7 @@
 #define TVI_EVENTS_EVENTS_H
 
 #include "algebra/narrow.h"
-#include "integrator/partial_step.h"
+#include "integrator/inside_step.h"
 #include "system/event.h"
 
 typedef struct tvi_event_search tvi_event_search;

@@ -1,7 +1,7 @@
 /* finish.c - Computes the time and the state of an event to roundoff, from a root that search.c has bracketed on the
  * curve of a step. events.c calls it.
  *
- * The curve is less accurate than the states that partial steps of the method compute (partial_step.h). Two such
+ * The curve is less accurate than the states that partial steps of the method compute (inside_step.h). Two such
  * states near the root, at a and b, define a straight line. It differs from the method's solution by about (theta -
  * a) (theta - b) x'' / 2, where x'' is the second derivative of the state by theta. The event is the sign change of
  * g on this line, if the difference is below roundoff there. Otherwise the state at this sign change and that at b
@@ -12,6 +12,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 /* [1] The root of the samples' polynomial is used if its distance from the nearest state by a partial step is at most
  * this part of its distance from the nearer end of the bracket. */
@@ -37,7 +38,7 @@ static tvi_status add_state(void *ctx, double theta, double *g)
     double *x = search->line.before.x;
     tvi_status status = tvi_partial_step_compute_state(&search->partial_step, theta * search->integrator->last_step.h);
     if (status != TVI_OK) return status;
-    tvi_partial_step_copy_state(&search->partial_step, x);
+    memcpy(x, search->partial_step.state, (size_t)search->state_size * sizeof *x);
     status = tvi_watched_evaluate(search->sought->watched, x, g);
     search->line.before = search->line.last;
     search->line.last = (tvi_accurate_state){.theta = theta, .g = *g, .x = x};
@@ -195,7 +196,7 @@ static tvi_status set_root_after_partial_step(tvi_event_search *search, tvi_even
     double g;
     const tvi_status status = add_state(search, theta, &g);
     root->theta = theta;
-    tvi_partial_step_copy_state(&search->partial_step, root->state);
+    memcpy(root->state, search->partial_step.state, (size_t)search->state_size * sizeof *root->state);
     return status;
 }
 

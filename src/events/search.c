@@ -161,7 +161,7 @@ tvi_status tvi_watched_evaluate_change(void *ctx, double theta, double *g_per_th
     status = tvi_event_compute_change(w->event, &w->local_series, state, change, g_per_theta, &scale, &is_exact);
     w->change_sign = fabs(*g_per_theta) > EVENT_ROUNDOFF_UNITS * DBL_EPSILON * scale ? tvi_sign(*g_per_theta) : 0;
     if (status == TVI_OK && !is_exact) {
-        tvi_partial_step_copy_state(&search->partial_step, state);
+        memcpy(state, search->partial_step.state, (size_t)search->state_size * sizeof *state);
         status = tvi_watched_evaluate(w, state, g_per_theta);
     }
     *g_per_theta /= theta;

@@ -174,14 +174,4 @@ void tvi_integrator_compute_curve(tvi_integrator *integrator, double h);
 /* Undoes the last step. t, q and p become the state at the start of that step. */
 void tvi_integrator_undo_step(tvi_integrator *integrator, double *t, double q[], double p[]);
 
-/* Computes the state of tvi_dense and its time: the state on the curve of the last step at theta. */
-TVI_NODISCARD tvi_status tvi_evaluate_dense_output(tvi_integrator *integrator, double theta, double *t, double q[],
-                                                   double p[]);
-
-/* Computes the states on the curve of the last step at all sample points (tvi_sample_theta), for the evaluation of
- * events: samples[2n + 1][TVI_SAMPLES], in the order q, p, t. Only the components used_components[0] of q and
- * used_components[1] of p, and t, are set; others may be overwritten. The last sample is the end of the step itself.
- * The states may not be finite. */
-void tvi_sample_dense_output(tvi_integrator *integrator, const tvi_component_range used_components[2], double *samples);
-
 #endif

@@ -107,7 +107,7 @@ static inline uint64_t tvi_add_all_compensated(int count, double *restrict x, do
 
 /* The number of points at which a search for events samples a step. */
 enum { TVI_SAMPLES = 8 };
-/* The positions theta of the points: t0 + theta h is the time (integrator/dense.c). */
+/* The positions theta of the points: t0 + theta h is the time (integrator/inside_step.c). */
 extern const double tvi_sample_theta[TVI_SAMPLES];
 
 #ifndef JET_EMITTED

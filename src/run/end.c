@@ -1,7 +1,7 @@
 /* end.c - Ends a run at a time (end.h). A run in the time t makes its last step as long as the remaining time. A run in
  * s, whose steps have a known end only when they are made, replaces the step that passed the time. */
 #include "run/end.h"
-#include "integrator/partial_step.h"
+#include "integrator/inside_step.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* times.c - Reports the states at the given times of a run (times.h). Each state is computed by a partial step of the
- * method from the start of the last step (partial_step.h). */
+ * method from the start of the last step (inside_step.h). */
 #include "run/times.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
@@ -65,7 +65,9 @@ static tvi_status report_next_time_in_step(tvi_times_progress *times_progress)
         status = tvi_columns_propagate_to_offset(times_progress->integrator, &times_progress->run->columns,
                                                  partial_step->stored_state_offset,
                                                  partial_step->partial_step_integrator->parameters);
-    if (status == TVI_OK) report_state_at_next_time(times_progress, partial_step->q, partial_step->p);
+    if (status == TVI_OK)
+        report_state_at_next_time(times_progress, partial_step->state,
+                                  partial_step->state + times_progress->integrator->system->n);
     return status;
 }
 

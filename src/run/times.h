@@ -2,7 +2,7 @@
 #ifndef TVI_SRC_RUN_TIMES_H
 #define TVI_SRC_RUN_TIMES_H
 
-#include "integrator/partial_step.h"
+#include "integrator/inside_step.h"
 #include "run/run.h"
 
 /* The progress of a run along the times that the user has given: which of them have been reported. */

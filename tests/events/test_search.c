@@ -1,9 +1,9 @@
 /* test_search.c - Tests the search along the curve: that it looks at the states that the curve has, and finds what is
  * there. */
 #include "events.h"
-#include "integrator/integrator.h"
+#include "integrator/inside_step.h"
 #include "runs.h"
-#include "system/rates.h"
+#include "integrator/inside_step.h"
 
 #include <float.h>
 #include <math.h>
@@ -112,20 +112,27 @@ START_TEST(rates_are_those_of_steps)
     memcpy(x, r.x.q, (size_t)n * sizeof *x);
     memcpy(x + n, r.x.p, (size_t)n * sizeof *x);
     x[2 * n] = r.x.t;
-    tvi_rates_evaluator rates;
-    ck_assert_int_eq(tvi_state_rates_open(&rates, r.system, NULL), TVI_OK);
-    ck_assert(!rates.field_block == (r.system->form == TVI_LAGRANGIAN));
-    if (rates.field_block) {
-        ck_assert_int_eq(tvi_state_rates_compute(&rates, x, rate), TVI_OK);
+    const tvi_system *system = r.integrator->stepped;
+    const bool has_masses = system->form == TVI_SEPARABLE;
+    double q[MOST_N + 1];
+    memcpy(q, x, (size_t)n * sizeof *q);
+    q[n] = r.x.t;
+    if (system->form != TVI_LAGRANGIAN) {
+        ck_assert(tvi_integrator_compute_field(r.integrator, q, x + n));
+        const double *field = r.integrator->guard.field_block;
+        const int *output = system->field_values->output_slot;
+        for (int i = 0; i < n; i++) {
+            rate[i] = has_masses ? x[n + i] / system->mass[i] : field[output[n + i]];
+            rate[n + i] = has_masses ? field[output[i]] : -field[output[i]];
+        }
         for (int side = -1; side <= 1; side += 2) {
-            double t = x[2 * n], *q = side < 0 ? before : after;
-            memcpy(q, x, 2 * (size_t)n * sizeof *q);
-            ck_assert_int_eq(tvi_step(r.integrator, side * h, &t, q, q + n), TVI_OK);
+            double t = x[2 * n], *end = side < 0 ? before : after;
+            memcpy(end, x, 2 * (size_t)n * sizeof *end);
+            ck_assert_int_eq(tvi_step(r.integrator, side * h, &t, end, end + n), TVI_OK);
         }
         for (int i = 0; i < 2 * n; i++)
             ck_assert_double_eq_tol(rate[i], (after[i] - before[i]) / (2 * h), 1e-6 * fabs(rate[i]) + 1e-9);
     }
-    tvi_state_rates_close(&rates);
     run_close(&r);
 }
 END_TEST

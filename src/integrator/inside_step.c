@@ -1,7 +1,8 @@
-/* partial_step.c - Computes states inside the last step, at a given offset from its start or at a given time
- * (partial_step.h). */
-#include "integrator/partial_step.h"
+/* inside_step.c - Computes states inside the last step, on its curve, or by a shorter step of the method
+ * (inside_step.h). */
+#include "integrator/inside_step.h"
 #include "algebra/narrow.h"
+#include "algebra/sizes.h"
 #include "system/refuse.h"
 
 #include <float.h>
@@ -14,22 +15,92 @@
 /* [h] Partial steps whose sizes differ by less have nearly the same nodes and can use each other's history. */
 #define PARTIAL_STEP_NEAR 1e-3 /* found: make check-events */
 
+/* ---- On the curve ------------------------------------------------------------------------------------------------ */
+
+const double tvi_sample_theta[TVI_SAMPLES] = {0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1};
+
+/* Sets last_step.increments to the changes of the coordinates and momenta on the curve, from the start of the step to
+ * theta. Returns the time there. */
+static double follow_curve(tvi_integrator *it, double theta)
+{
+    const int n = it->system->n;
+    const tvi_increments *increments = &it->last_step.increments;
+    it->stepper->interpolate(it->work, theta, increments->dq, increments->dp);
+    increments->dq[it->stepped->n] = theta * it->last_step.h;
+    return it->last_step.start.q[n] + (it->last_step.start.q_low[n] + increments->dq[n]);
+}
+
+tvi_status tvi_evaluate_dense_output(tvi_integrator *it, double theta, double *t, double q[], double p[])
+{
+    const int n = it->system->n;
+    const tvi_increments *increments = &it->last_step.increments;
+    if (theta == 1) { /* The state at the end of the step is known more accurately than the curve. */
+        tvi_integrator_copy_state(it, t, q, p);
+        return TVI_OK;
+    }
+    const double time = follow_curve(it, theta);
+    for (int i = 0; i < n; i++) {
+        increments->dq[i] += it->last_step.start.q[i];
+        increments->dp[i] += it->last_step.start.p[i];
+    }
+    if (!tvi_all_finite(n, increments->dq) || !tvi_all_finite(n, increments->dp))
+        return jet_refuse(TVI_ENONFINITE, "the curve of the step overflows at theta = %g", theta);
+    memcpy(q, increments->dq, (size_t)n * sizeof *q);
+    memcpy(p, increments->dp, (size_t)n * sizeof *p);
+    *t = time;
+    return TVI_OK;
+}
+
+tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
+{
+    double t;
+    if (!it || !q || !p) return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, &t, q, p, 1}, "");
+    if (!(theta >= 0 && theta <= 1)) return jet_refuse(TVI_EINVAL, "theta = %g is not in [0, 1]", theta);
+    if (!it->last_step.has_curve) return jet_refuse(TVI_EINVAL, "there is no last step, or it failed");
+    return tvi_evaluate_dense_output(it, theta, &t, q, p);
+}
+
+/* Computes the states at all sample points by one call of the stepper's `interpolate` for each point. Steppers without
+ * the function `sample` need this. */
+static void interpolate_at_all_sample_points(tvi_integrator *it, double *q, double *p, double *t)
+{
+    const int n = it->system->n;
+    for (int k = 0; k < TVI_SAMPLES; k++) {
+        t[k] = follow_curve(it, tvi_sample_theta[k]);
+        for (int i = 0; i < n; i++) {
+            q[i * TVI_SAMPLES + k] = it->last_step.start.q[i] + it->last_step.increments.dq[i];
+            p[i * TVI_SAMPLES + k] = it->last_step.start.p[i] + it->last_step.increments.dp[i];
+        }
+    }
+}
+
+void tvi_sample_dense_output(tvi_integrator *it, const tvi_component_range used_components[2], double *samples)
+{
+    const int n = it->system->n, end = TVI_SAMPLES - 1;
+    double *q = samples, *p = q + n * TVI_SAMPLES, *t = p + n * TVI_SAMPLES;
+    if (it->stepper->sample && !tvi_is_rescaled(it)) {
+        it->stepper->sample(it->work, used_components, it->last_step.start.q, it->last_step.start.p, q, p);
+        for (int k = 0; k < end; k++)
+            t[k] = it->last_step.start.q[n] + (it->last_step.start.q_low[n] + tvi_sample_theta[k] * it->last_step.h);
+    } else {
+        interpolate_at_all_sample_points(it, q, p, t);
+    }
+    for (int i = used_components[0].first; i < used_components[0].end; i++) q[i * TVI_SAMPLES + end] = it->state.q[i];
+    for (int i = used_components[1].first; i < used_components[1].end; i++) p[i * TVI_SAMPLES + end] = it->state.p[i];
+    t[end] = it->state.q[n];
+}
+
+/* ---- By a shorter step ------------------------------------------------------------------------------------------- */
+
 tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator *full_step_integrator,
                                  bool uses_history_after_step)
 {
-    const size_t n = (size_t)full_step_integrator->system->n, wide = 2 * (n + 1) + 1;
     *partial_step = (tvi_partial_step){.full_step_integrator = full_step_integrator,
                                        .uses_history_after_step = uses_history_after_step,
                                        .copied_parameter_version = full_step_integrator->parameter_version};
-    partial_step->q = calloc(2 * n + 2 * wide, sizeof *partial_step->q);
-    if (!partial_step->q) return jet_explain_out_of_memory(TVI_ENOMEM);
-    partial_step->p = partial_step->q + n;
-    partial_step->rates_input = partial_step->p + n;
-    partial_step->rates_output = partial_step->rates_input + wide;
-    tvi_status status = tvi_integrator_create_like(&partial_step->partial_step_integrator, full_step_integrator);
-    if (status == TVI_OK && tvi_is_rescaled(full_step_integrator))
-        status = tvi_state_rates_open(&partial_step->rates_evaluator, full_step_integrator->system->stepped_system,
-                                      full_step_integrator->parameters);
+    partial_step->state = calloc(2 * (size_t)full_step_integrator->system->n + 1, sizeof *partial_step->state);
+    if (!partial_step->state) return jet_explain_out_of_memory(TVI_ENOMEM);
+    const tvi_status status = tvi_integrator_create_like(&partial_step->partial_step_integrator, full_step_integrator);
     if (status != TVI_OK) tvi_partial_step_close(partial_step);
     return jet_explain_out_of_memory(status);
 }
@@ -37,8 +108,7 @@ tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator 
 void tvi_partial_step_close(tvi_partial_step *partial_step)
 {
     tvi_integrator_free(partial_step->partial_step_integrator);
-    tvi_state_rates_close(&partial_step->rates_evaluator);
-    free(partial_step->q);
+    free(partial_step->state);
     *partial_step = (tvi_partial_step){0};
 }
 
@@ -48,8 +118,6 @@ tvi_status tvi_partial_step_set_parameters(tvi_partial_step *partial_step)
     if (partial_step->copied_parameter_version == it->parameter_version) return TVI_OK;
     partial_step->copied_parameter_version = it->parameter_version;
     partial_step->full_step_number = 0;
-    if (partial_step->rates_evaluator.field_block)
-        tvi_state_rates_set_parameters(&partial_step->rates_evaluator, it->parameters);
     return tvi_integrator_set_parameters(partial_step->partial_step_integrator, it->parameters);
 }
 
@@ -77,31 +145,23 @@ static void set_partial_step_history(tvi_partial_step *partial_step, double offs
 tvi_status tvi_partial_step_compute_state(tvi_partial_step *partial_step, double offset)
 {
     const tvi_integrator *it = partial_step->full_step_integrator;
-    const size_t bytes = (size_t)it->system->n * sizeof *partial_step->q;
+    const size_t n = (size_t)it->system->n;
     const bool is_end = offset == it->last_step.h;
+    const tvi_run_state *end = is_end ? &it->state : &it->last_step.start;
+    double *q = partial_step->state, *p = q + n, *t = p + n;
     if (partial_step->full_step_number == it->stats.steps && partial_step->stored_state_offset == offset) return TVI_OK;
-    const tvi_run_state *state = is_end ? &it->state : &it->last_step.start;
-    partial_step->t = state->q[it->system->n];
-    memcpy(partial_step->q, state->q, bytes);
-    memcpy(partial_step->p, state->p, bytes);
+    memcpy(q, end->q, n * sizeof *q);
+    memcpy(p, end->p, n * sizeof *p);
+    *t = end->q[n];
     if (!is_end && offset != 0) {
         set_partial_step_history(partial_step, offset);
         partial_step->full_step_number = 0;
-        const tvi_status status =
-            tvi_step(partial_step->partial_step_integrator, offset, &partial_step->t, partial_step->q, partial_step->p);
+        const tvi_status status = tvi_step(partial_step->partial_step_integrator, offset, t, q, p);
         if (status != TVI_OK) return status;
     }
     partial_step->full_step_number = it->stats.steps;
     partial_step->stored_state_offset = offset;
     return TVI_OK;
-}
-
-void tvi_partial_step_copy_state(const tvi_partial_step *partial_step, double state[])
-{
-    const size_t n = (size_t)partial_step->full_step_integrator->system->n;
-    memcpy(state, partial_step->q, n * sizeof *state);
-    memcpy(state + n, partial_step->p, n * sizeof *state);
-    state[2 * n] = partial_step->t;
 }
 
 /* ---- Given times ------------------------------------------------------------------------------------------------- */
@@ -117,25 +177,20 @@ typedef struct {
 static tvi_status compute_time_beyond_target(void *ctx, double theta, double *g)
 {
     const time_target *target = ctx;
-    const tvi_integrator *it = target->partial_step->full_step_integrator;
+    tvi_integrator *it = target->partial_step->full_step_integrator;
     const tvi_increments *increments = &it->last_step.increments;
-    it->stepper->interpolate(it->work, theta, increments->dq, increments->dp);
+    (void)follow_curve(it, theta);
     *g = increments->dq[it->system->n] - target->time_from_start;
     return isfinite(*g) ? TVI_OK : jet_refuse(TVI_ENONFINITE, "the curve of the step overflows at theta = %g", theta);
 }
 
-/* Computes the derivative dt/ds at the end of the last partial step of a rescaled system. */
-static tvi_status compute_dt_ds(tvi_partial_step *partial_step, double *dt_ds)
+/* Computes the derivative dt/ds, a component of the field, at the end of the last partial step of a rescaled system. */
+static tvi_status compute_dt_ds(tvi_integrator *partial, double *dt_ds)
 {
-    const tvi_integrator *partial = partial_step->partial_step_integrator;
-    const size_t n = (size_t)partial->stepped->n;
-    memcpy(partial_step->rates_input, partial->state.q, n * sizeof *partial_step->rates_input);
-    memcpy(partial_step->rates_input + n, partial->state.p, n * sizeof *partial_step->rates_input);
-    partial_step->rates_input[2 * n] = partial->state.q[n];
-    const tvi_status status =
-        tvi_state_rates_compute(&partial_step->rates_evaluator, partial_step->rates_input, partial_step->rates_output);
-    *dt_ds = partial_step->rates_output[partial->system->n];
-    return status;
+    const int rate_of_t = partial->stepped->n + partial->system->n;
+    if (!tvi_integrator_compute_field(partial, partial->state.q, partial->state.p)) return TVI_EDOMAIN;
+    *dt_ds = partial->guard.field_block[partial->stepped->field_values->output_slot[rate_of_t]];
+    return TVI_OK;
 }
 
 /* Computes the state at the given time in a rescaled system. Newton's method finds the offset at which a partial step
@@ -145,7 +200,7 @@ static tvi_status compute_dt_ds(tvi_partial_step *partial_step, double *dt_ds)
 static tvi_status compute_state_at_time_by_newton(tvi_partial_step *partial_step, double time, double time_from_start,
                                                   double offset)
 {
-    const tvi_integrator *partial = partial_step->partial_step_integrator;
+    tvi_integrator *partial = partial_step->partial_step_integrator;
     const double h = partial_step->full_step_integrator->last_step.h;
     double dt_ds, best = offset, least = INFINITY;
     tvi_status status = TVI_OK;
@@ -157,7 +212,7 @@ static tvi_status compute_state_at_time_by_newton(tvi_partial_step *partial_step
         best = offset;
         least = fabs(rest);
         if (least <= DBL_EPSILON / 4 * fabs(time)) break;
-        status = compute_dt_ds(partial_step, &dt_ds);
+        status = compute_dt_ds(partial, &dt_ds);
         if (status != TVI_OK) return status;
         offset = fmax(fmin(offset + rest / dt_ds, fmax(h, 0)), fmin(h, 0));
     }
