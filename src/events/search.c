@@ -269,12 +269,11 @@ static tvi_event_root *add_root(tvi_watched_event *w, int g_sign_after, tvi_even
  * has Newton's form, with divided differences. */
 static void guess_root_by_interpolation(const double g_samples[], tvi_event_root *root)
 {
-    static const double part[] = {0, 1, 1. / 2, 1. / 3, 1. / 4, 1. / 5, 1. / 6, 1. / 7, 1. / 8};
     const double left = root->bracket.left, right = root->bracket.right;
     double c[TVI_SAMPLES + 1], now = root->bracket.g_left, before = root->bracket.g_right, at = left, last = right;
     memcpy(c, g_samples, sizeof c);
     for (int k = 1; k <= TVI_SAMPLES; k++)
-        for (int i = TVI_SAMPLES; i >= k; i--) c[i] = (c[i] - c[i - 1]) * part[k];
+        for (int i = TVI_SAMPLES; i >= k; i--) c[i] = (c[i] - c[i - 1]) / k;
     for (int k = 0; k < TVI_SAMPLES && now != before && fabs(at - last) > LAST_SECANT_CHANGE; k++) {
         const double next = tvi_clamp(left, at - now * (at - last) / (now - before), right), x = TVI_SAMPLES * next;
         double p = c[TVI_SAMPLES];

@@ -129,15 +129,6 @@ bool tvi_integrator_compute_field(tvi_integrator *integrator, const double *q, c
 
 /* ---- Runs -------------------------------------------------------------------------------------------------------- */
 
-/* Calls an observer of steps or of given times. During the call the integrator refuses steps. Returns the observer's
- * value, or 0 if the observer is NULL. */
-int tvi_call_observer(tvi_integrator *integrator, tvi_observer *observer, long step, double t, const double q[],
-                      const double p[], void *ctx);
-
-/* Allows steps again after an observer has returned, or was left by an exception of C++: a cleanup of the variable that
- * has the integrator. */
-void tvi_end_observer_call(tvi_integrator **integrator);
-
 /* Creates an integrator for the system, the options and the parameters of another one. It has made no step. */
 TVI_NODISCARD tvi_status tvi_integrator_create_like(tvi_integrator **out, const tvi_integrator *integrator);
 

@@ -87,19 +87,12 @@ tvi_status tvi_parts_find(tvi_step_parts *parts, const tvi_integrator *it, doubl
     return status;
 }
 
-/* Returns the k of the next one of the parts h / 2^k, or 0 if there is none. */
-static int next_part(const tvi_step_parts *parts)
-{
-    for (int k = 1; k < DBL_MANT_DIG; k++)
-        if (parts->count[k] > 0) return k;
-    return 0;
-}
-
-bool tvi_parts_are_left(const tvi_step_parts *parts) { return next_part(parts) != 0; }
-
 double tvi_parts_take(tvi_step_parts *parts, double h)
 {
-    const int k = next_part(parts);
-    parts->count[k]--;
-    return ldexp(h, -k);
+    for (int k = 1; k < DBL_MANT_DIG; k++)
+        if (parts->count[k] > 0) {
+            parts->count[k]--;
+            return ldexp(h, -k);
+        }
+    return 0;
 }

@@ -30,8 +30,7 @@ typedef struct {
  * tells whether there are such parts. */
 TVI_NODISCARD tvi_status tvi_parts_find(tvi_step_parts *parts, const tvi_integrator *integrator, double h, double t_end,
                                         bool *is_found);
-bool tvi_parts_are_left(const tvi_step_parts *parts);
-/* Takes the next one of the parts, of which one is left, and returns its size. */
+/* Takes the next one of the parts, and returns its size, or 0 if none is left. */
 double tvi_parts_take(tvi_step_parts *parts, double h);
 
 #endif

@@ -4,7 +4,7 @@
 #define TVI_SRC_RUN_ENSEMBLE_H
 
 #include "refusal.h"
-#include "run/plan.h"
+#include "run/run.h"
 
 #include <pthread.h>
 

@@ -3,8 +3,6 @@
 #include "run/ensemble.h"
 #include "system/refuse.h"
 
-#include <math.h>
-
 /* A member in the integrator of a thread. */
 typedef struct {
     tvi_ensemble *ensemble;
@@ -113,17 +111,12 @@ static tvi_status allocate_tangents(const tvi_ensemble *ensemble, int column_cou
     return status;
 }
 
-static tvi_status refuse_null_arguments(const tvi_ensemble *ensemble, const double t[], const double q[],
-                                        const double p[], const tvi_status status[])
-{
-    return tvi_refuse_first_null_pointer(5, (const void *const[]){ensemble, t, q, p, status},
-                                         (const char *const[]){"ensemble", "t", "q", "p", "status"});
-}
-
 tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_ensemble_plan *plan, double t[], double q[], double p[],
                             tvi_status status[])
 {
-    if (!ensemble || !t || !q || !p || !status) return refuse_null_arguments(ensemble, t, q, p, status);
+    if (!ensemble || !t || !q || !p || !status)
+        return tvi_refuse_first_null_pointer(5, (const void *const[]){ensemble, t, q, p, status},
+                                             (const char *const[]){"ensemble", "t", "q", "p", "status"});
     tvi_status checked = tvi_ensemble_refuse_if_running(ensemble);
     if (checked == TVI_OK) checked = tvi_plan_check(ensemble->workers->integrator, plan);
     if (checked != TVI_OK) return checked;
@@ -135,11 +128,6 @@ tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_ensemble_plan *pla
 tvi_status tvi_ensemble_integrate(tvi_ensemble *ensemble, double h, long steps, double t[], double q[], double p[],
                                   tvi_status status[], tvi_ensemble_observer *observer, void *ctx)
 {
-    if (!ensemble || !t || !q || !p || !status) return refuse_null_arguments(ensemble, t, q, p, status);
-    if (h == 0 || !isfinite(h)) return jet_refuse(TVI_EINVAL, "h is 0 or not finite");
-    if (steps < 0) return jet_refuse(TVI_EINVAL, "steps is negative");
-    const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
-    if (idle != TVI_OK) return idle;
     const tvi_run_plan plan = {.h = h, .steps = steps, .observer = observer, .ctx = ctx};
-    return run_all_segments(ensemble, (tvi_ensemble_segment){plan, 0, t, q, p, status});
+    return tvi_ensemble_run(ensemble, &plan, t, q, p, status);
 }

@@ -1,10 +1,9 @@
-/* plan.c - Refuses plans of runs (tvi_run_plan) that contradict themselves, and calls the observers of a plan, those of
- * members of ensembles one at a time (plan.h). run.c makes the steps of the run. */
-#include "run/plan.h"
+/* plan.c - Refuses plans of runs (tvi_run_plan) that contradict themselves, and has the functions that run by a plan of
+ * their own: tvi_integrate... and tvi_step_tangent. run.c makes the steps of the run. */
+#include "run/run.h"
 #include "system/refuse.h"
 
 #include <float.h>
-#include <limits.h>
 #include <math.h>
 
 /* ---- Plans with contradictions ----------------------------------------------------------------------------------- */
@@ -60,84 +59,68 @@ tvi_status tvi_plan_check(const tvi_integrator *it, const tvi_run_plan *plan)
     return plan->tolerance != 0 ? check_tolerance(it, plan->tolerance) : TVI_OK;
 }
 
-/* ---- The observers of a plan ------------------------------------------------------------------------------------- */
+/* ---- Runs without a plan of the user ----------------------------------------------------------------------------- */
 
-/* A call of an observer of a member. has_returned is false if an exception leaves it. */
-typedef struct {
-    const tvi_member_run *run;
-    bool has_returned;
-} observer_call;
-
-static void end_observer_call(observer_call *call)
+int tvi_taylor_order(double tolerance)
 {
-    if (!call->has_returned) tvi_parallel_cancel(call->run->team);
-    (void)pthread_mutex_unlock(call->run->observer_lock);
+    if (!(tolerance >= DBL_EPSILON && tolerance < 1)) return 0;
+    return (int)fmax(2, ceil(1 - log(tolerance) / 2));
 }
 
-static int call_locked_observer(const tvi_member_run *member_run, tvi_member_observer *observer, int report_index,
-                                double t, const double q[], const double p[])
+tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const tvi_event *const events[], int count,
+                                double *t, double q[], double p[], tvi_observer *observer, tvi_event_observer *on_event,
+                                void *ctx)
 {
-    (void)pthread_mutex_lock(member_run->observer_lock);
-    __attribute__((cleanup(end_observer_call))) observer_call call = {member_run, false};
-    const int stop = tvi_parallel_is_stopped(member_run->team) ||
-                     observer(member_run->member_index, report_index, t, q, p, member_run->plan->ctx) != 0;
-    call.has_returned = true;
-    return stop;
+    const tvi_run_plan plan = {.h = h, .steps = steps, .events = events, .event_count = count};
+    return tvi_run_observed(it, &plan, (tvi_observers){observer, NULL, on_event, ctx}, t, q, p);
 }
 
-static int call_member_observer(const tvi_member_run *member_run, tvi_member_observer *observer, long report_index,
-                                double t, const double q[], const double p[])
+tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, double q[], double p[],
+                         tvi_observer *observer, void *ctx)
 {
-    const int index = report_index < INT_MAX ? (int)report_index : INT_MAX;
-    if (!observer) return 0;
-    return member_run->team ? call_locked_observer(member_run, observer, index, t, q, p)
-                            : observer(member_run->member_index, index, t, q, p, member_run->plan->ctx);
+    const tvi_run_plan plan = {.h = h, .steps = steps};
+    return tvi_run_observed(it, &plan, (tvi_observers){observer, NULL, NULL, ctx}, t, q, p);
 }
 
-static int call_event_observer(int event_index, double t, const double q[], const double p[], void *ctx)
+tvi_status tvi_integrate_to(tvi_integrator *it, double h, double t_end, double *t, double q[], double p[],
+                            tvi_observer *observer, void *ctx)
 {
-    const tvi_member_run *member_run = ctx;
-    return call_member_observer(member_run, member_run->plan->on_event, event_index, t, q, p);
+    const tvi_run_plan plan = {.h = h, .t_end = t_end, .has_t_end = true};
+    return tvi_run_observed(it, &plan, (tvi_observers){observer, NULL, NULL, ctx}, t, q, p);
 }
 
-static int call_time_observer(long time_number, double t, const double q[], const double p[], void *ctx)
+tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], int count, double *t, double q[],
+                            double p[], tvi_observer *observer, void *ctx)
 {
-    const tvi_member_run *member_run = ctx;
-    return call_member_observer(member_run, member_run->plan->at_time, time_number, t, q, p);
+    const tvi_run_plan plan = {.h = h, .times = count == 0 ? NULL : times, .time_count = count};
+    return tvi_run_observed(it, &plan, (tvi_observers){NULL, observer, NULL, ctx}, t, q, p);
 }
 
-static int call_step_observers(long step, double t, const double q[], const double p[], void *ctx)
+tvi_status tvi_integrate_tolerance_events(tvi_integrator *it, double tolerance, double t_end,
+                                          const tvi_event *const events[], int count, double *t, double q[], double p[],
+                                          tvi_observer *observer, tvi_event_observer *on_event, void *ctx)
 {
-    const tvi_member_run *member_run = ctx;
-    const int stop = call_member_observer(member_run, member_run->plan->at_step, step, t, q, p);
-    const tvi_status status = stop ? TVI_ESTOPPED : TVI_OK;
-    return member_run->ensemble_observer &&
-                   member_run->ensemble_observer(step, 1, &t, q, p, &status, member_run->plan->ctx) != 0
-               ? 1
-               : stop;
+    const tvi_run_plan plan = {.tolerance = tolerance != 0 ? tolerance : -1, /* for 0 there is no plan: -1 is refused */
+                               .t_end = t_end,
+                               .has_t_end = true,
+                               .events = events,
+                               .event_count = count};
+    return tvi_run_observed(it, &plan, (tvi_observers){observer, NULL, on_event, ctx}, t, q, p);
 }
 
-tvi_status tvi_run_member(tvi_integrator *it, const tvi_member_run *member_run, double *t, double q[], double p[])
+tvi_status tvi_integrate_tolerance(tvi_integrator *it, double tolerance, double t_end, double *t, double q[],
+                                   double p[], tvi_observer *observer, void *ctx)
 {
-    const tvi_run_plan *plan = member_run->plan;
-    const tvi_single_run run = {
-        .plan = plan,
-        .observers = {.at_step = plan->at_step || member_run->ensemble_observer ? call_step_observers : NULL,
-                      .at_time = plan->at_time ? call_time_observer : NULL,
-                      .on_event = plan->on_event ? call_event_observer : NULL,
-                      .ctx = (void *)member_run},
-        .columns = {plan->D ? plan->D + member_run->member_index : NULL, plan->columns,
-                    (size_t)member_run->member_count},
-        .step_count_before_segment = member_run->step_count_before_segment,
-    };
-    return tvi_run_integrator(it, &run, t, q, p);
+    return tvi_integrate_tolerance_events(it, tolerance, t_end, NULL, 0, t, q, p, observer, NULL, ctx);
 }
 
-tvi_status tvi_run(tvi_integrator *it, const tvi_run_plan *plan, double *t, double q[], double p[])
+tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[], double p[], double D[], int columns)
 {
-    if (!it || !t || !q || !p) return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, t, q, p, 1}, "");
-    const tvi_status status = tvi_plan_check(it, plan);
-    if (status != TVI_OK) return status;
-    const tvi_member_run all = {.plan = plan, .member_count = 1, .ensemble_observer = plan->observer};
-    return tvi_run_member(it, &all, t, q, p);
+    const tvi_run_arguments given = {it, t, q, p, h};
+    const tvi_run_plan plan = {.h = h, .steps = 1, .columns = columns, .D = D};
+    if (!it) return tvi_refuse_invalid_run_arguments(given, "");
+    if (!it->is_in_observer) it->last_step.has_curve = false;
+    if (!t || !q || !p || !D || columns < 1 || h == 0 || !isfinite(h))
+        return tvi_refuse_invalid_run_arguments(given, D ? "columns is not positive" : "D is NULL");
+    return tvi_run_observed(it, &plan, (tvi_observers){0}, t, q, p);
 }

@@ -1,7 +1,7 @@
-/* run.c - Runs an integrator by a plan: makes step after step, and reports what lies in each (run.h). The functions
- * tvi_integrate... and tvi_step_tangent are runs by plans that they make. */
+/* run.c - Runs an integrator by a plan (tvi_run): makes step after step, and reports what lies in each to the observers
+ * (run.h). */
 #include "run/end.h"
-#include "run/plan.h"
+#include "run/run.h"
 #include "run/times.h"
 #include "system/refuse.h"
 
@@ -13,16 +13,17 @@
 /* [steps] A run fails after this many consecutive steps that hardly move its time. */
 #define RUN_MAX_SLOW_STEPS (1 << 16) /* found: make check-rescaled */
 
+/* Allows steps again after an observer has returned, or was left by an exception of C++. */
+static void end_call(tvi_integrator **it) { (*it)->is_in_observer = false; }
+
 int tvi_call_observer(tvi_integrator *it, tvi_observer *observer, long step, double t, const double q[],
                       const double p[], void *ctx)
 {
     if (!observer) return 0;
-    __attribute__((cleanup(tvi_end_observer_call))) tvi_integrator *called = it;
+    __attribute__((cleanup(end_call))) tvi_integrator *called = it;
     called->is_in_observer = true;
     return observer(step, t, q, p, ctx);
 }
-
-void tvi_end_observer_call(tvi_integrator **it) { (*it)->is_in_observer = false; }
 
 /* ---- The steps of a run ------------------------------------------------------------------------------------------ */
 
@@ -65,18 +66,9 @@ static tvi_status end_if_reached(run_in_progress *running, double left, double r
     return status;
 }
 
-/* Makes the next one of the parts of a step, each of which is a step to an observer. */
-static tvi_status make_next_part(run_in_progress *running, double *t, double q[], double p[])
-{
-    tvi_integrator *it = running->integrator;
-    const double h = running->plan->h, t_end = running->plan->t_end, roundoff = tvi_time_roundoff(*t, t_end, h);
-    const tvi_status status = tvi_step(it, tvi_parts_take(&running->parts, h), t, q, p);
-    return status == TVI_OK ? end_if_reached(running, tvi_remaining_time(it, t_end), roundoff, t, q, p) : status;
-}
-
-/* Replaces the step in s that has failed with this status by parts of it that lead to t_end, and makes the first one.
- * If there are none, the failure stays. */
-static tvi_status make_parts_instead(run_in_progress *running, tvi_status failure, double *t, double q[], double p[])
+/* Finds parts of the step in s that has failed with this status, which lead to t_end. If there are none, the failure
+ * stays. */
+static tvi_status find_parts_instead(run_in_progress *running, tvi_status failure)
 {
     char text[256];
     bool is_found;
@@ -84,24 +76,27 @@ static tvi_status make_parts_instead(run_in_progress *running, tvi_status failur
     const tvi_status status =
         tvi_parts_find(&running->parts, running->integrator, running->plan->h, running->plan->t_end, &is_found);
     if (status != TVI_OK) return jet_explain_out_of_memory(status);
-    return is_found ? make_next_part(running, t, q, p) : jet_refuse(failure, "%s", text);
+    return is_found ? TVI_OK : jet_refuse(failure, "%s", text);
 }
 
 /* Makes the next steps of size h of a run to t_end, or its last step. If the steps are steps in time, the last one has
  * the size of the remaining time, but no more than h; if they are steps in s, the one that passes t_end is replaced by
- * a shorter one. Steps in time that are made in one call end at least one step before t_end. */
+ * a shorter one, and one that fails by parts of it, each of which is a step to an observer. Steps in time that are made
+ * in one call end at least one step before t_end. */
 static tvi_status make_steps_to_t_end(run_in_progress *running, double *t, double q[], double p[])
 {
     tvi_integrator *it = running->integrator;
     const double h = running->plan->h, t_end = running->plan->t_end, remaining = tvi_remaining_time(it, t_end);
-    const double roundoff = tvi_time_roundoff(*t, t_end, h);
-    if (tvi_parts_are_left(&running->parts)) return make_next_part(running, t, q, p);
-    const bool is_last = !tvi_is_rescaled(it) && fabs(remaining) <= fabs(h) + roundoff;
-    const double whole = tvi_is_rescaled(it) ? INFINITY : fmax(floor(fabs(remaining / h)) - 1, 1);
-    const long steps = (long)fmin(whole, (double)running->most_steps_per_call);
-    const tvi_status status = is_last ? tvi_step(it, copysign(fmin(fabs(h), fabs(remaining)), h), t, q, p)
-                                      : tvi_make_steps(it, steps, 0, h, t_end - copysign(roundoff, h), t, q, p);
-    if (tvi_is_failure_of_member(status) && tvi_is_rescaled(it)) return make_parts_instead(running, status, t, q, p);
+    const double roundoff = tvi_time_roundoff(*t, t_end, h), part = tvi_parts_take(&running->parts, h);
+    const bool is_rescaled = tvi_is_rescaled(it), is_last = !is_rescaled && fabs(remaining) <= fabs(h) + roundoff;
+    const double size = part != 0 ? part : is_last ? copysign(fmin(fabs(h), fabs(remaining)), h) : h;
+    const double whole = is_rescaled ? INFINITY : fmax(floor(fabs(remaining / h)) - 1, 1);
+    const long steps = part != 0 ? 1 : (long)fmin(whole, (double)running->most_steps_per_call);
+    tvi_status status = tvi_make_steps(it, steps, 0, size, t_end - copysign(roundoff, h), t, q, p);
+    if (tvi_is_failure_of_member(status) && is_rescaled && part == 0) {
+        status = find_parts_instead(running, status);
+        return status == TVI_OK ? make_steps_to_t_end(running, t, q, p) : status;
+    }
     if (status != TVI_OK) return status;
     return end_if_reached(running, is_last ? 0 : tvi_remaining_time(it, t_end), roundoff, t, q, p);
 }
@@ -163,7 +158,7 @@ static bool report_event(const run_in_progress *running, int event_index, const 
     const int n = running->integrator->system->n;
     const tvi_observers *observers = &running->run->observers;
     if (!observers->on_event) return false;
-    __attribute__((cleanup(tvi_end_observer_call))) tvi_integrator *called = running->integrator;
+    __attribute__((cleanup(end_call))) tvi_integrator *called = running->integrator;
     called->is_in_observer = true;
     return observers->on_event(event_index, state[2 * n], state, state + n, observers->ctx) != 0;
 }
@@ -239,7 +234,7 @@ static tvi_status report_times_events_and_step(const run_in_progress *running, l
 
 /* Frees what the run has opened, also where an exception leaves an observer. */
 static void close_events(tvi_event_search **events) { tvi_events_close(*events); }
-static void close_times(tvi_times_progress *times) { tvi_times_close(times); }
+static void close_times(tvi_times_progress *times) { tvi_partial_step_close(&times->partial_step); }
 
 /* An observer that has reset the integrator could step it. */
 static tvi_status refuse_steps_of_observer(const tvi_integrator *it, long steps, tvi_status status)
@@ -299,9 +294,10 @@ static bool ends_at(const tvi_run_plan *plan, double t)
     return plan->time_count == 0 && plan->steps == 0;
 }
 
-tvi_status tvi_run_integrator(tvi_integrator *it, const tvi_single_run *run, double *t, double q[], double p[])
+/* Runs the integrator. It returns TVI_ESTOPPED if an observer or an event ends the run, and otherwise the status of the
+ * step that fails or of the argument that is refused. */
+static tvi_status run_integrator(tvi_integrator *it, const tvi_single_run *run, double *t, double q[], double p[])
 {
-    if (!it || !t || !q || !p) return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, t, q, p, 1}, "");
     const tvi_run_plan *plan = run->plan;
     const bool needs_each_step =
         plan->event_count > 0 || plan->time_count > 0 || run->observers.at_step || run->columns.elements;
@@ -330,77 +326,94 @@ tvi_status tvi_run_integrator(tvi_integrator *it, const tvi_single_run *run, dou
                                 : make_all_steps(&running, t, q, p);
 }
 
-/* ---- Runs without a plan of the user ----------------------------------------------------------------------------- */
-
-int tvi_taylor_order(double tolerance)
-{
-    if (!(tolerance >= DBL_EPSILON && tolerance < 1)) return 0;
-    return (int)fmax(2, ceil(1 - log(tolerance) / 2));
-}
-
 tvi_status tvi_run_observed(tvi_integrator *it, const tvi_run_plan *plan, tvi_observers observers, double *t,
                             double q[], double p[])
 {
     if (!it || !t || !q || !p) return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, t, q, p, 1}, "");
     const tvi_status status = tvi_plan_check(it, plan);
     if (status != TVI_OK) return status;
-    return tvi_run_integrator(it, &(tvi_single_run){.plan = plan, .observers = observers}, t, q, p);
+    const tvi_single_run run = {plan, observers, {plan->D, plan->columns, 1}, 0};
+    return run_integrator(it, &run, t, q, p);
 }
 
-tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const tvi_event *const events[], int count,
-                                double *t, double q[], double p[], tvi_observer *observer, tvi_event_observer *on_event,
-                                void *ctx)
+/* ---- The observers of a plan ------------------------------------------------------------------------------------- */
+
+/* A call of an observer of a member. has_returned is false if an exception leaves it. */
+typedef struct {
+    const tvi_member_run *run;
+    bool has_returned;
+} observer_call;
+
+static void end_observer_call(observer_call *call)
 {
-    const tvi_run_plan plan = {.h = h, .steps = steps, .events = events, .event_count = count};
-    return tvi_run_observed(it, &plan, (tvi_observers){observer, NULL, on_event, ctx}, t, q, p);
+    if (!call->has_returned) tvi_parallel_cancel(call->run->team);
+    (void)pthread_mutex_unlock(call->run->observer_lock);
 }
 
-tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, double q[], double p[],
-                         tvi_observer *observer, void *ctx)
+static int call_locked_observer(const tvi_member_run *member_run, tvi_member_observer *observer, int report_index,
+                                double t, const double q[], const double p[])
 {
-    const tvi_run_plan plan = {.h = h, .steps = steps};
-    return tvi_run_observed(it, &plan, (tvi_observers){observer, NULL, NULL, ctx}, t, q, p);
+    (void)pthread_mutex_lock(member_run->observer_lock);
+    __attribute__((cleanup(end_observer_call))) observer_call call = {member_run, false};
+    const int stop = tvi_parallel_is_stopped(member_run->team) ||
+                     observer(member_run->member_index, report_index, t, q, p, member_run->plan->ctx) != 0;
+    call.has_returned = true;
+    return stop;
 }
 
-tvi_status tvi_integrate_to(tvi_integrator *it, double h, double t_end, double *t, double q[], double p[],
-                            tvi_observer *observer, void *ctx)
+static int call_member_observer(const tvi_member_run *member_run, tvi_member_observer *observer, long report_index,
+                                double t, const double q[], const double p[])
 {
-    const tvi_run_plan plan = {.h = h, .t_end = t_end, .has_t_end = true};
-    return tvi_run_observed(it, &plan, (tvi_observers){observer, NULL, NULL, ctx}, t, q, p);
+    const int index = report_index < INT_MAX ? (int)report_index : INT_MAX;
+    if (!observer) return 0;
+    return member_run->team ? call_locked_observer(member_run, observer, index, t, q, p)
+                            : observer(member_run->member_index, index, t, q, p, member_run->plan->ctx);
 }
 
-tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], int count, double *t, double q[],
-                            double p[], tvi_observer *observer, void *ctx)
+static int call_event_observer(int event_index, double t, const double q[], const double p[], void *ctx)
 {
-    const tvi_run_plan plan = {.h = h, .times = count == 0 ? NULL : times, .time_count = count};
-    return tvi_run_observed(it, &plan, (tvi_observers){NULL, observer, NULL, ctx}, t, q, p);
+    const tvi_member_run *member_run = ctx;
+    return call_member_observer(member_run, member_run->plan->on_event, event_index, t, q, p);
 }
 
-tvi_status tvi_integrate_tolerance_events(tvi_integrator *it, double tolerance, double t_end,
-                                          const tvi_event *const events[], int count, double *t, double q[], double p[],
-                                          tvi_observer *observer, tvi_event_observer *on_event, void *ctx)
+static int call_time_observer(long time_number, double t, const double q[], const double p[], void *ctx)
 {
-    const tvi_run_plan plan = {.tolerance = tolerance != 0 ? tolerance : -1, /* for 0 there is no plan: -1 is refused */
-                               .t_end = t_end,
-                               .has_t_end = true,
-                               .events = events,
-                               .event_count = count};
-    return tvi_run_observed(it, &plan, (tvi_observers){observer, NULL, on_event, ctx}, t, q, p);
+    const tvi_member_run *member_run = ctx;
+    return call_member_observer(member_run, member_run->plan->at_time, time_number, t, q, p);
 }
 
-tvi_status tvi_integrate_tolerance(tvi_integrator *it, double tolerance, double t_end, double *t, double q[],
-                                   double p[], tvi_observer *observer, void *ctx)
+static int call_step_observers(long step, double t, const double q[], const double p[], void *ctx)
 {
-    return tvi_integrate_tolerance_events(it, tolerance, t_end, NULL, 0, t, q, p, observer, NULL, ctx);
+    const tvi_member_run *member_run = ctx;
+    const int stop = call_member_observer(member_run, member_run->plan->at_step, step, t, q, p);
+    const tvi_status status = stop ? TVI_ESTOPPED : TVI_OK;
+    return member_run->ensemble_observer &&
+                   member_run->ensemble_observer(step, 1, &t, q, p, &status, member_run->plan->ctx) != 0
+               ? 1
+               : stop;
 }
 
-tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[], double p[], double D[], int columns)
+tvi_status tvi_run_member(tvi_integrator *it, const tvi_member_run *member_run, double *t, double q[], double p[])
 {
-    const tvi_run_arguments given = {it, t, q, p, h};
-    const tvi_run_plan plan = {.h = h, .steps = 1};
-    if (!it) return tvi_refuse_invalid_run_arguments(given, "");
-    if (!it->is_in_observer) it->last_step.has_curve = false;
-    if (!t || !q || !p || !D || columns < 1 || h == 0 || !isfinite(h))
-        return tvi_refuse_invalid_run_arguments(given, D ? "columns is not positive" : "D is NULL");
-    return tvi_run_integrator(it, &(tvi_single_run){.plan = &plan, .columns = {D, columns, 1}}, t, q, p);
+    const tvi_run_plan *plan = member_run->plan;
+    const tvi_single_run run = {
+        .plan = plan,
+        .observers = {.at_step = plan->at_step || member_run->ensemble_observer ? call_step_observers : NULL,
+                      .at_time = plan->at_time ? call_time_observer : NULL,
+                      .on_event = plan->on_event ? call_event_observer : NULL,
+                      .ctx = (void *)member_run},
+        .columns = {plan->D ? plan->D + member_run->member_index : NULL, plan->columns,
+                    (size_t)member_run->member_count},
+        .step_count_before_segment = member_run->step_count_before_segment,
+    };
+    return run_integrator(it, &run, t, q, p);
+}
+
+tvi_status tvi_run(tvi_integrator *it, const tvi_run_plan *plan, double *t, double q[], double p[])
+{
+    if (!it || !t || !q || !p) return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, t, q, p, 1}, "");
+    const tvi_status status = tvi_plan_check(it, plan);
+    if (status != TVI_OK) return status;
+    const tvi_member_run all = {.plan = plan, .member_count = 1, .ensemble_observer = plan->observer};
+    return tvi_run_member(it, &all, t, q, p);
 }

@@ -6,7 +6,7 @@
  * The norm of a distance is the largest difference of a coordinate, relative to the largest coordinate of the orbit, or
  * of a momentum, relative to the largest momentum; and of the time at which a terminal event ended the run, relative to
  * its duration. */
-#include "run/plan.h"
+#include "run/run.h"
 #include "system/refuse.h"
 
 #include <float.h>

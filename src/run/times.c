@@ -113,8 +113,3 @@ tvi_status tvi_times_open(tvi_times_progress *times_progress, tvi_integrator *it
     if (status == TVI_OK && continues_last_step) status = report_times_until(times_progress, t, false);
     return status == TVI_OK && times_progress->is_stopped_by_observer ? TVI_ESTOPPED : status;
 }
-
-void tvi_times_close(tvi_times_progress *times_progress)
-{
-    if (times_progress->partial_step.full_step_integrator) tvi_partial_step_close(&times_progress->partial_step);
-}

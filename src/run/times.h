@@ -19,11 +19,10 @@ typedef struct tvi_times_progress {
 TVI_NODISCARD tvi_status tvi_times_check(const tvi_integrator *integrator, const tvi_single_run *run, double t,
                                          const double q[], const double p[], bool *continues_last_step);
 /* Prepares `times_progress` for the steps of a run. It reports the times that equal the start of the run, or with
- * continues_last_step the times in the step that ended there. */
+ * continues_last_step the times in the step that ended there. The caller closes times_progress->partial_step. */
 TVI_NODISCARD tvi_status tvi_times_open(tvi_times_progress *times_progress, tvi_integrator *integrator,
                                         const tvi_single_run *run, bool continues_last_step, double t, const double q[],
                                         const double p[]);
-void tvi_times_close(tvi_times_progress *times_progress);
 /* Reports the times of the last step up to `last_time`. After an observer has stopped the run, it reports no further
  * time, except in a run with events, where an event may come later in the same step. */
 TVI_NODISCARD tvi_status tvi_times_report_until(tvi_times_progress *times_progress, double last_time);

@@ -225,7 +225,7 @@ START_TEST(events_without_memory)
     tvi_system_free(system);
     system = create_everything(RESCALED, true);
     ck_assert_int_eq(tvi_integrator_create(&given.integrator, system, NULL), TVI_OK);
-    ck_assert_int_eq(fail_each(run_to_end, &given, how), 3);
+    ck_assert_int_eq(fail_each(run_to_end, &given, how), 2);
     ck_assert_int_eq(fail_each(move_as_text, &given, how), 4);
     tvi_integrator_free(given.integrator);
     tvi_system_free(system);
