@@ -489,12 +489,3 @@ tvi_status tvi_state_peek(const char *text, size_t size, int *n, double *t, doub
     free(page.state);
     return status;
 }
-
-tvi_status tvi_state_last(const tvi_integrator *it, double *t, double q[], double p[])
-{
-    if (!it || !t || !q || !p || !*it->is_state_from_step)
-        return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, t, q, p, 1},
-                                                "the integrator has made no step, or was reset");
-    tvi_integrator_copy_state(it, t, q, p);
-    return TVI_OK;
-}

@@ -34,6 +34,15 @@ void tvi_integrator_copy_state(const tvi_integrator *it, double *t, double q[], 
     *t = it->state.q[n];
 }
 
+tvi_status tvi_state_last(const tvi_integrator *it, double *t, double q[], double p[])
+{
+    if (!it || !t || !q || !p || !*it->is_state_from_step)
+        return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, t, q, p, 1},
+                                                "the integrator has made no step, or was reset");
+    tvi_integrator_copy_state(it, t, q, p);
+    return TVI_OK;
+}
+
 /* Computes the Hamiltonian K = g (H + e) of a rescaled system at the current state with the given e, in long double. */
 static long double compute_rescaled_hamiltonian(tvi_integrator *it, double e)
 {
