@@ -65,30 +65,21 @@ static const double *values_of_joint_tape(const tvi_watched_event *w)
     return w->search->joint_tape_block + (size_t)w->search->joint_tape->output_slot[w->index] * TVI_SAMPLES;
 }
 
-/* Copies a state of the integrator to one vector. */
-static void copy_run_state(const tvi_event_search *search, const tvi_run_state *from, double state[])
-{
-    const size_t n = (size_t)search->integrator->system->n;
-    memcpy(state, from->q, n * sizeof *state);
-    memcpy(state + n, from->p, n * sizeof *state);
-    state[2 * n] = from->q[n];
-}
-
 /* Tells whether |g| stays below its roundoff over the whole step. The size of a component is that at the start and its
  * change. */
 static tvi_status is_g_roundoff(tvi_watched_event *w, bool *is_roundoff)
 {
     const tvi_event_search *search = w->search;
     const tvi_run_state *ends[] = {&search->integrator->last_step.start, &search->integrator->state};
-    const int time = search->state_size - 1;
+    const int n = search->integrator->system->n, time = 2 * n;
     double roundoff[2] = {0}, *state = search->scratch_state, *size = search->scratch_sizes;
     tvi_status status = TVI_OK;
-    copy_run_state(search, ends[0], state);
-    copy_run_state(search, ends[1], size);
+    tvi_run_state_to_vector(ends[0], n, state);
+    tvi_run_state_to_vector(ends[1], n, size);
     for (int i = 0; i < time; i++) size[i] = fabs(state[i]) + fabs(size[i] - state[i]);
     size[time] = fmax(fabs(state[time]), fabs(size[time]));
     for (int end = 0; end < 2 && status == TVI_OK; end++) {
-        copy_run_state(search, ends[end], state);
+        tvi_run_state_to_vector(ends[end], n, state);
         status = tvi_event_estimate_roundoff(w->event, &w->local_series, state, size, &roundoff[end]);
     }
     *is_roundoff = tvi_largest_magnitude(TVI_SAMPLES, w->g_samples + 1, 1) <=
@@ -128,7 +119,7 @@ static tvi_status evaluate_events_at_start(tvi_event_search *search)
 {
     double *state = search->scratch_state;
     tvi_status status = TVI_OK;
-    copy_run_state(search, &search->integrator->last_step.start, state);
+    tvi_run_state_to_vector(&search->integrator->last_step.start, search->integrator->system->n, state);
     for (int i = 0; i < search->state_size; i++)
         for (int k = 0; k < TVI_SAMPLES; k++) search->joint_tape_block[i * TVI_SAMPLES + k] = state[i];
     const bool inside = jet_sweep_values(search->joint_tape, search->joint_tape_block, TVI_SAMPLES);
@@ -157,7 +148,7 @@ tvi_status tvi_watched_evaluate_change(void *ctx, double theta, double *g_per_th
         change[n + i] = increments->dp[i] + increments->dp_low[i];
     }
     change[2 * n] = increments->dq[n];
-    copy_run_state(search, &search->integrator->last_step.start, state);
+    tvi_run_state_to_vector(&search->integrator->last_step.start, n, state);
     status = tvi_event_compute_change(w->event, &w->local_series, state, change, g_per_theta, &scale, &is_exact);
     w->change_sign = fabs(*g_per_theta) > EVENT_ROUNDOFF_UNITS * DBL_EPSILON * scale ? tvi_sign(*g_per_theta) : 0;
     if (status == TVI_OK && !is_exact) {

@@ -31,11 +31,13 @@ typedef struct {
     bool attract; /* each other; otherwise each is alone in a given field */
 } step_bodies;
 
+/* Returns the square of the distance of body a from body b (-1: from 0), or of the movement relative to it if q are
+ * increments. */
 static double squared_distance(const step_bodies *bodies, const double *q, int a, int b)
 {
     double sum = 0;
     for (int k = 0; k < bodies->axes; k++) {
-        const double d = q[a * bodies->axes + k] - q[b * bodies->axes + k];
+        const double d = q[a * bodies->axes + k] - (b < 0 ? 0 : q[b * bodies->axes + k]);
         sum += d * d;
     }
     return sum;
@@ -93,18 +95,6 @@ static double defect_of_body(const step_bodies *bodies, const double *curve, int
     return tvi_ratio_or_zero(sqrt(difference), *effect);
 }
 
-/* Returns the square of the movement of body a relative to body b in the step. */
-static double squared_movement(const tvi_integrator *it, const step_bodies *bodies, int a, int b)
-{
-    double sum = 0;
-    for (int k = 0; k < bodies->axes; k++) {
-        const double *dq = it->last_step.increments.dq;
-        const double d = dq[a * bodies->axes + k] - (b < 0 ? 0 : dq[b * bodies->axes + k]);
-        sum += d * d;
-    }
-    return sum;
-}
-
 double tvi_defect_of_bodies(tvi_integrator *it)
 {
     if (!it->guard.curve_forces) return 0;
@@ -123,7 +113,7 @@ double tvi_defect_of_bodies(tvi_integrator *it)
             double effect;
             const int b = nearest_body(&bodies, q[end], a);
             const double defect = defect_of_body(&bodies, it->guard.curve_forces, points, at_end, end, a, b, &effect);
-            const double movement = sqrt(squared_movement(it, &bodies, a, b));
+            const double movement = sqrt(squared_distance(&bodies, it->last_step.increments.dq, a, b));
             if (h_times_dt * effect > LEAST_EFFECT * movement) largest = fmax(largest, defect);
         }
     }

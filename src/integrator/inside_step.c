@@ -15,6 +15,13 @@
 /* [h] Partial steps whose sizes differ by less have nearly the same nodes and can use each other's history. */
 #define PARTIAL_STEP_NEAR 1e-3 /* found: make check-events */
 
+void tvi_run_state_to_vector(const tvi_run_state *from, int n, double state[])
+{
+    memcpy(state, from->q, (size_t)n * sizeof *state);
+    memcpy(state + n, from->p, (size_t)n * sizeof *state);
+    state[2 * n] = from->q[n];
+}
+
 /* ---- On the curve ------------------------------------------------------------------------------------------------ */
 
 const double tvi_sample_theta[TVI_SAMPLES] = {0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1};
@@ -145,14 +152,11 @@ static void set_partial_step_history(tvi_partial_step *partial_step, double offs
 tvi_status tvi_partial_step_compute_state(tvi_partial_step *partial_step, double offset)
 {
     const tvi_integrator *it = partial_step->full_step_integrator;
-    const size_t n = (size_t)it->system->n;
+    const int n = it->system->n;
     const bool is_end = offset == it->last_step.h;
-    const tvi_run_state *end = is_end ? &it->state : &it->last_step.start;
     double *q = partial_step->state, *p = q + n, *t = p + n;
     if (partial_step->full_step_number == it->stats.steps && partial_step->stored_state_offset == offset) return TVI_OK;
-    memcpy(q, end->q, n * sizeof *q);
-    memcpy(p, end->p, n * sizeof *p);
-    *t = end->q[n];
+    tvi_run_state_to_vector(is_end ? &it->state : &it->last_step.start, n, partial_step->state);
     if (!is_end && offset != 0) {
         set_partial_step_history(partial_step, offset);
         partial_step->full_step_number = 0;

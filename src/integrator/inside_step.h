@@ -7,6 +7,9 @@
 
 #include "integrator/integrator.h"
 
+/* Copies a state of an integrator to one vector [2n + 1], in the order q, p, t. */
+void tvi_run_state_to_vector(const tvi_run_state *from, int n, double state[]);
+
 /* ---- On the curve ------------------------------------------------------------------------------------------------ */
 
 /* Computes the state of tvi_dense and its time: the state on the curve of the last step at theta. */

@@ -119,6 +119,16 @@ static bool needs_stops(const tvi_ensemble *ensemble)
     return !ensemble->is_running || ensemble->segment.plan.event_count > 0;
 }
 
+/* Tells whether the run of a member may continue inside its last step, whose curve a rescaled system needs for times
+ * there. */
+static bool needs_curve(const tvi_ensemble *ensemble, int member)
+{
+    return ensemble->is_running && ensemble->segment.plan.time_count > 0 &&
+           ensemble->records[member].has_dense_output && tvi_is_rescaled(ensemble->workers->integrator);
+}
+
+/* The curve of a step is no part of the history. The same step, made once more from the same history, has the same
+ * curve. */
 void tvi_worker_load_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble, int member)
 {
     tvi_integrator *it = worker->integrator;
@@ -126,6 +136,11 @@ void tvi_worker_load_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble,
     const tvi_stats own = it->stats;
     tvi_arena_copy_history(it->history.now, history_of_member(ensemble, member), ensemble->history_bytes);
     tvi_integrator_load_parameters(it, ensemble->parameters + member, (size_t)ensemble->member_count);
+    if (needs_curve(ensemble, member)) {
+        tvi_arena_copy_history(it->history.now, it->history.before, it->history.copied_bytes);
+        tvi_integrator_compute_curve(it, record->h);
+        tvi_arena_copy_history(it->history.now, history_of_member(ensemble, member), ensemble->history_bytes);
+    }
     if (needs_stops(ensemble)) memcpy(it->stop, tvi_stop_of_member(ensemble, member), tvi_stop_bytes(ensemble->n));
     it->stats = record->stats;
     it->stats.bytes = own.bytes;
@@ -147,20 +162,6 @@ void tvi_worker_store_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble
     *record = (tvi_member_record){it->stats, it->last_step.h, it->last_step.covered_time, it->last_step.has_curve};
     record->stats.bytes = 0;
     if (it->tangent) tvi_step_columns_exchange(it, &ensemble->columns[member]);
-}
-
-/* The curve of a step is no part of the history, and a rescaled system needs it for times inside the step. The same
- * step, made once more from the same history, has the same curve. */
-void tvi_worker_load_member_and_curve(tvi_ensemble_worker *worker, tvi_ensemble *ensemble, int member)
-{
-    tvi_integrator *it = worker->integrator;
-    if (ensemble->records[member].has_dense_output && tvi_is_rescaled(it)) {
-        tvi_arena_copy_history(it->history.now, history_of_member(ensemble, member), ensemble->history_bytes);
-        tvi_arena_copy_history(it->history.now, it->history.before, it->history.copied_bytes);
-        tvi_integrator_load_parameters(it, ensemble->parameters + member, (size_t)ensemble->member_count);
-        tvi_integrator_compute_curve(it, ensemble->records[member].h);
-    }
-    tvi_worker_load_member(worker, ensemble, member);
 }
 
 /* ---- Calls for all members --------------------------------------------------------------------------------------- */

@@ -83,7 +83,5 @@ static inline void tvi_scatter_member(int rows, int members, const double from[]
 /* Load all that the member holds between runs into the worker's integrator, and store it. */
 void tvi_worker_load_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble, int member);
 void tvi_worker_store_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble, int member);
-/* Loads a member whose run may continue inside its last step: computes the curve of this step, too. */
-void tvi_worker_load_member_and_curve(tvi_ensemble_worker *worker, tvi_ensemble *ensemble, int member);
 
 #endif

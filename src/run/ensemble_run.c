@@ -17,8 +17,7 @@ static loaded_member load_member(tvi_ensemble *ensemble, int thread, int member)
     tvi_ensemble_worker *worker = &ensemble->workers[thread];
     tvi_gather_member(ensemble->n, ensemble->member_count, segment->q, member, worker->member_q);
     tvi_gather_member(ensemble->n, ensemble->member_count, segment->p, member, worker->member_p);
-    if (segment->plan.time_count > 0) tvi_worker_load_member_and_curve(worker, ensemble, member);
-    else tvi_worker_load_member(worker, ensemble, member);
+    tvi_worker_load_member(worker, ensemble, member);
     return (loaded_member){ensemble, worker, member, segment->t[member]};
 }
 

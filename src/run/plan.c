@@ -78,8 +78,7 @@ tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const 
 tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, double q[], double p[],
                          tvi_observer *observer, void *ctx)
 {
-    const tvi_run_plan plan = {.h = h, .steps = steps};
-    return tvi_run_observed(it, &plan, (tvi_observers){observer, NULL, NULL, ctx}, t, q, p);
+    return tvi_integrate_events(it, h, steps, NULL, 0, t, q, p, observer, NULL, ctx);
 }
 
 tvi_status tvi_integrate_to(tvi_integrator *it, double h, double t_end, double *t, double q[], double p[],

@@ -243,17 +243,22 @@ static tvi_status refuse_steps_of_observer(const tvi_integrator *it, long steps,
     return jet_refuse(TVI_EINVAL, "an observer has reset the integrator and stepped it, which ends its run");
 }
 
-/* Makes steps, and reports what lies in each, until the run ends. */
-static tvi_status make_all_steps(run_in_progress *running, double *t, double q[], double p[])
+/* Makes steps, and reports what lies in each, until the run ends. A run with given times may continue inside the
+ * integrator's last step. */
+static tvi_status make_all_steps(run_in_progress *running, bool continues_last_step, double *t, double q[], double p[])
 {
     const tvi_run_plan *plan = running->plan;
-    const tvi_integrator *it = running->integrator;
+    tvi_integrator *it = running->integrator;
     const double *const state[] = {q, p};
     const bool has_end_time = plan->has_t_end || plan->tolerance > 0 || plan->time_count > 0;
+    __attribute__((cleanup(close_times))) tvi_times_progress times = {.integrator = NULL};
     __attribute__((cleanup(close_events))) tvi_event_search *events = NULL;
-    tvi_status status = plan->event_count > 0
-                            ? tvi_events_open(&events, running->integrator, plan->events, plan->event_count, *t, state)
-                            : TVI_OK;
+    tvi_status status = tvi_times_open(&times, it, running->run, continues_last_step, *t, q, p);
+    const bool has_times = !tvi_times_are_all_reported(&times);
+    running->times = has_times ? &times : NULL;
+    if (plan->time_count > 0 && !has_times && !plan->has_t_end) running->is_at_end = true;
+    if (status == TVI_OK && plan->event_count > 0)
+        status = tvi_events_open(&events, it, plan->events, plan->event_count, *t, state);
     running->events = events;
     while (!running->is_at_end && status == TVI_OK) {
         const long before = running->step_count;
@@ -266,18 +271,6 @@ static tvi_status make_all_steps(run_in_progress *running, double *t, double q[]
             status = check_time_advances(running, running->step_count - before);
     }
     return status;
-}
-
-/* Makes a run with given times. It may continue inside the integrator's last step. */
-static tvi_status run_with_given_times(run_in_progress *running, bool continues_last_step, double *t, double q[],
-                                       double p[])
-{
-    __attribute__((cleanup(close_times))) tvi_times_progress times = {.integrator = NULL};
-    tvi_status status = tvi_times_open(&times, running->integrator, running->run, continues_last_step, *t, q, p);
-    const bool is_all = tvi_times_are_all_reported(&times);
-    running->times = is_all ? NULL : &times;
-    running->is_at_end = running->is_at_end || (is_all && !running->plan->has_t_end);
-    return status == TVI_OK ? make_all_steps(running, t, q, p) : status;
 }
 
 /* Refuses a t_end that does not lie in the direction of h. */
@@ -322,8 +315,7 @@ static tvi_status run_integrator(tvi_integrator *it, const tvi_single_run *run, 
         running.is_at_end = true;
     }
     tvi_columns_store_run_start(it, &run->columns);
-    return plan->time_count > 0 ? run_with_given_times(&running, continues_last_step, t, q, p)
-                                : make_all_steps(&running, t, q, p);
+    return make_all_steps(&running, continues_last_step, t, q, p);
 }
 
 tvi_status tvi_run_observed(tvi_integrator *it, const tvi_run_plan *plan, tvi_observers observers, double *t,

@@ -1,7 +1,6 @@
 /* times.c - Reports the states at the given times of a run (times.h). Each state is computed by a partial step of the
  * method from the start of the last step (inside_step.h). */
 #include "run/times.h"
-#include "algebra/sizes.h"
 #include "system/refuse.h"
 
 #include <math.h>
@@ -29,13 +28,12 @@ static bool does_last_step_end_at_state(const tvi_integrator *it, double h, doub
 tvi_status tvi_times_check(const tvi_integrator *it, const tvi_single_run *run, double t, const double q[],
                            const double p[], bool *continues_last_step)
 {
-    const int n = it->system->n, count = run->plan->time_count;
+    const int count = run->plan->time_count;
     const double h = run->plan->h, *times = run->plan->times;
-    if (!tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_nonfinite_state(n, t, q, "p", p);
     *continues_last_step =
         does_last_step_end_at_state(it, h, t, q, p) && tvi_columns_match_last_step_end(it, &run->columns);
     const int first =
-        find_first_time_out_of_order(h, *continues_last_step ? it->last_step.start.q[n] : t, times, count);
+        find_first_time_out_of_order(h, *continues_last_step ? it->last_step.start.q[it->system->n] : t, times, count);
     if (first < count)
         return jet_refuse(TVI_EINVAL, "times[%d] = %g is not in order, or not finite", first, times[first]);
     return !run->plan->has_t_end ||
