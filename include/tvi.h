@@ -225,8 +225,8 @@ typedef struct {
     int passes;       /* 0 = until converged; k > 0 = exactly k corrections; TVI_PREDICT_ONLY = none */
     int max_passes;   /* 0 = the library's bound */
     /* A step whose tvi_stats.tail is larger is refused, and so is one that changes the energy by more than a right step
-     * does (docs/stability.md). 0 = TVI_MAX_TAIL, or less with the automatic g of tvi_system_rescaled; < 0: no step is
-     * refused. */
+     * does, or is unstable, by Stormer-Verlet (docs/adaptive.md). 0 = TVI_MAX_TAIL, or less with the automatic g of
+     * tvi_system_rescaled; < 0: no step is refused. */
     double max_tail;
     /* Code for the same system and options (tvi_compile); NULL: steps are interpreted. */
     const struct tvi_compiled *compiled;

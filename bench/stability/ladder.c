@@ -44,6 +44,8 @@ hard_method ladder_method(const char *name, int place)
     return m;
 }
 
+bool ladder_is_explicit(const hard_method *m) { return strcmp(m->name, "stormer-verlet") == 0; }
+
 void ladder_add(ladder_counts *sum, const ladder_counts *more)
 {
     sum->accepted += more->accepted;

@@ -37,4 +37,7 @@ ladder_counts ladder_climb(const ladder_case *c, const hard_method *m, double h,
 enum { LADDER_ORDERS = 2 };
 hard_method ladder_method(const char *name, int place);
 
+/* Tells whether the method is explicit, of which the guard does not demand that each step keeps the energy. */
+bool ladder_is_explicit(const hard_method *m);
+
 #endif

@@ -252,39 +252,49 @@ static double energy_change_scale(const tvi_reference_energy *reference, double 
     return fmax(reference->energy_scale, fabs(energy_before - reference->zero_level));
 }
 
-/* Tells whether the energy after the step differs from that before it by more than a step that follows the motion
- * can change it. Returns false if the energy is NAN; the next step then fails. It also returns false for a first
- * step from rest by a method of order 1, which changes p only, so that p.dq/dt = 0. */
-static bool does_energy_change_too_much(tvi_integrator *it, double energy_after)
+/* Returns the change of the energy in the step beyond its roundoff, relative to its scale: INFINITY if the energy
+ * overflows, 0 if it is NAN; the next step then fails. It is also 0 for a first step from rest by a method of order 1,
+ * which changes p only, so that p.dq/dt = 0. */
+static double relative_energy_change(tvi_integrator *it, double energy_after)
 {
     tvi_reference_energy *reference = it->guard.reference_energy;
     const double before = reference->H;
     reference->is_H_known = isfinite(before) && isfinite(energy_after);
-    if (!reference->is_H_known) return isfinite(before) && isinf(energy_after);
+    if (!reference->is_H_known) return isfinite(before) && isinf(energy_after) ? INFINITY : 0;
     reference->H = energy_after;
     const double p_dot_velocity = mean_p_dot_velocity(it), roundoff = energy_roundoff(it, before),
                  change_of_e = tvi_steps_K(it) ? it->last_step.increments.dp[it->system->n] : 0,
                  change = fabs(energy_after - before + change_of_e);
     const bool needs_scale = change > roundoff || (has_energy_change_bound(it) && !reference->was_zero_level_searched);
     if (!reference->has_energy_scale && needs_scale) set_zero_level_and_scale(it, before, roundoff);
-    if (change <= roundoff) return false;
-    if (!reference->has_energy_scale && p_dot_velocity == 0) return false;
-    if (change <= GUARD_MAX_ENERGY_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff)
-        return false;
-    lower_zero_level(it);
-    return change > GUARD_MAX_ENERGY_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff;
+    if (change <= roundoff) return 0;
+    if (!reference->has_energy_scale && p_dot_velocity == 0) return 0;
+    if (change > GUARD_MAX_ENERGY_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff)
+        lower_zero_level(it);
+    return (change - roundoff) / energy_change_scale(reference, before, p_dot_velocity);
 }
 
-/* Refuses a step that changes the energy too much. */
+/* Refuses a step that changes the energy too much. An explicit method has a single solution; its steps may change the
+ * energy by much and come back, as long as they are stable and the change is not larger than the energy itself. */
 static tvi_status refuse_by_energy_change(tvi_integrator *it)
 {
     tvi_reference_energy *reference = it->guard.reference_energy;
+    const tvi_stepper *stepper = it->stepper;
     if (!reference->is_H_known) reference->H = energy_or_nonfinite(it, it->state.q, it->state.p);
     tvi_set_step_end(it);
-    const double energy_after = energy_or_nonfinite(it, it->guard.end.q, it->guard.end.p);
-    return does_energy_change_too_much(it, energy_after)
-               ? jet_refuse(TVI_ETOOLARGE, "it changes the energy by more than 5 %% (max_tail < 0 accepts it)")
-               : TVI_OK;
+    const double change = relative_energy_change(it, energy_or_nonfinite(it, it->guard.end.q, it->guard.end.p));
+    if (!(change > GUARD_MAX_ENERGY_CHANGE)) return TVI_OK;
+    if (!stepper->compute_phase)
+        return jet_refuse(TVI_ETOOLARGE, "it changes the energy by more than 5 %% (max_tail < 0 accepts it)");
+    if (change > 1)
+        return jet_refuse(TVI_ETOOLARGE, "it changes the energy by more than all of it (max_tail < 0 accepts it)");
+    const double phase = stepper->compute_phase(it->work);
+    return phase <= stepper->stable_phase
+               ? TVI_OK
+               : jet_refuse(TVI_ETOOLARGE,
+                            "it changes the energy by more than 5 %%, and h w = %.3g, of a frequency or rate w on its "
+                            "way, is above %g, where it is unstable (max_tail < 0 accepts it)",
+                            phase, stepper->stable_phase);
 }
 
 /* ---- Steps whose energy is checked ------------------------------------------------------------------------------- */

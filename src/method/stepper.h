@@ -195,6 +195,12 @@ typedef struct {
      * the step and the terms of the series decrease. The tail decides whether the energy is computed if this function
      * is NULL, and in rescaled systems (integrator/guard.c). */
     double (*bound_energy_change)(const void *work);
+    /* Returns h w of the last step, where w^2 is the change of the forces over that of the coordinates, in units of the
+     * masses: w is a frequency, or the rate of a motion away from an unstable point. NULL: the energy alone decides
+     * whether a step is too large. */
+    double (*compute_phase)(const void *work);
+    /* From this h w on a step of an oscillator of frequency w is unstable. */
+    double stable_phase;
     /* Tells whether all indices in the stepper's part of a loaded history are inside their arrays. NULL: the history
      * has no indices. */
     bool (*is_history_valid)(const void *work);

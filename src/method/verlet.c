@@ -100,6 +100,19 @@ static double bound_energy_change(const void *work)
     return bound;
 }
 
+/* On the straight line between the ends M^-1 V'' somewhere has an eigenvalue of this size, w^2, or a larger one. */
+static double compute_phase(const void *work)
+{
+    const verlet_work *w = work;
+    double force = 0, way = 0;
+    for (int i = 0; i < w->system->n; i++) {
+        const double d = w->force_at_end[i] - w->force_at_start[i];
+        force += d * d / w->system->mass[i];
+        way += w->dq[i] * w->dq[i] * w->system->mass[i];
+    }
+    return force == 0 ? 0 : fabs(w->last_step_size) * sqrt(sqrt(force / way));
+}
+
 /* ---- RATTLE ------------------------------------------------------------------------------------------------------ */
 
 enum { RATTLE_PASSES = 50 };
@@ -233,6 +246,8 @@ static const tvi_stepper stepper = {.allocate = allocate,
                                     .step = step,
                                     .interpolate = interpolate,
                                     .bound_energy_change = bound_energy_change,
+                                    .compute_phase = compute_phase,
+                                    .stable_phase = 2,
                                     .list_tapes = list_tapes};
 
 static const tvi_stepper rattle_stepper = {.allocate = allocate_rattle,
