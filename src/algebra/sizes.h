@@ -4,6 +4,7 @@
 
 #include "compiler.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -49,9 +50,9 @@ static inline double tvi_largest_magnitude(int n, const double x[], int stride)
     return size;
 }
 
-/* The least size of a quantity that others are divided by. Smaller numbers, or their products with roundoff, have lost
- * digits to underflow, and count as no larger than 0. */
-static const double TVI_LEAST_SIZE = 1e-280;
+/* The least size of a quantity that others are divided by. The products of smaller numbers with roundoff have lost
+ * digits to underflow, so that they count as no larger than 0. */
+static const double TVI_LEAST_SIZE = DBL_MIN / DBL_EPSILON;
 
 /* Return the larger and the smaller of two numbers without the function call that fmax and fmin may need. The result
  * is b if one of them is NaN. */

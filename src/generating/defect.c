@@ -205,6 +205,7 @@ static bool is_energy_kept(const comparison *with, const tvi_step_origin *origin
     allowed *= with->tolerance / fabs(with->h);
     terms = fabs(change) + terms / fabs(with->h);
     if (fabs(all) <= allowed) return true;
+    allowed += TVI_LEAST_SIZE; /* of which all digits are lost to underflow */
     return fabs(all) <= allowed + ROUNDOFF_MAX_UNITS * (energy_roundoff(with->defect, system) + DBL_EPSILON * terms);
 }
 

@@ -33,6 +33,7 @@ enum { SIZED_BY = 2, FIRST = SIZED_BY + 1, LAST = 3 };
  * orders before it, which has the same phase if a pair of singularities makes the coefficients swing. The radius also
  * limits the step if the state is so large that its coefficients, relative to it, would allow any step. */
 enum { APART = 4 };
+static const double LOG_LEAST_SIZE = -672.35; /* log TVI_LEAST_SIZE */
 
 /* A term of a series: its order k, and log max_i |x_k| over the components i, which is -INFINITY if there is no such
  * term. */
@@ -55,12 +56,12 @@ static double coefficient_size(const tvi_curve *curve, bool of_U, int k)
     return size;
 }
 
-/* Returns the first term that counts (TVI_LEAST_SIZE) among the orders k, k + step, ... before the order `end`. */
+/* Returns the first term that is not 0 among the orders k, k + step, ... before the order `end`. */
 static term find_term(const tvi_curve *curve, bool of_U, int k, int step, int end)
 {
     double size = 0;
-    while (step * (end - k) > 0 && (size = coefficient_size(curve, of_U, k)) < TVI_LEAST_SIZE) k += step;
-    return (term){k, size < TVI_LEAST_SIZE ? -INFINITY : log(size)};
+    while (step * (end - k) > 0 && (size = coefficient_size(curve, of_U, k)) == 0) k += step;
+    return (term){k, size == 0 ? -INFINITY : log(size)};
 }
 
 static void find_terms(const tvi_curve *curve, bool of_U, int degree, end_terms *terms)
@@ -91,17 +92,19 @@ static void differentiate_terms_by_s(const tvi_curve *curve, const end_terms *q,
 }
 
 /* Returns the logarithm of the largest s at which the term x_k is at most a fraction of the size of the series: s^k
- * |x_k| <= fraction * max_j |x_j| s^j over the first terms j. It has no branches, since these would be mispredicted. */
+ * |x_k| <= fraction * max_j |x_j| s^j over the first terms j, of which the sum counts as TVI_LEAST_SIZE at least: a
+ * motion that has come to rest needs no digits. It has no branches, since these would be mispredicted. */
 static double log_s_of_term(const tvi_curve *curve, const term first[], term x, double log_fraction)
 {
     double farthest = -INFINITY;
+    const double at_rest = (log_fraction + LOG_LEAST_SIZE - x.log_size) * curve->one_over[x.order];
     for (int i = 0; i < SIZED_BY; i++) {
         const int apart = x.order - first[i].order;
         const double log_s =
             apart > 0 ? (log_fraction + first[i].log_size - x.log_size) * curve->one_over[apart] : -INFINITY;
         farthest = tvi_larger(log_s, farthest);
     }
-    return farthest > -INFINITY ? farthest : INFINITY;
+    return farthest > -INFINITY ? tvi_larger(farthest, at_rest) : INFINITY;
 }
 
 /* Returns the logarithm of the largest s at which each of the last terms is small enough. */
@@ -124,7 +127,7 @@ static double log_s_of_terms(const tvi_curve *curve, const end_terms *terms, int
 static double coefficient_ratio(const tvi_curve *curve, int k)
 {
     const double last = k - APART > 1 ? coefficient_size(curve, false, k) : 0;
-    const double lower = last > TVI_LEAST_SIZE ? coefficient_size(curve, false, k - APART) : 0;
+    const double lower = last > 0 ? coefficient_size(curve, false, k - APART) : 0;
     return lower > 0 ? lower / last : INFINITY;
 }
 

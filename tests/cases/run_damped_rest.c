@@ -42,12 +42,13 @@ int main(void)
     TVI_OR_EXIT(tvi_system_potential(&spring, 1, NULL, V, NULL));
     TVI_OR_EXIT(tvi_system_driven(&damped, spring, brake, NULL));
     TVI_OR_EXIT(tvi_integrator_create(&it, damped, NULL));
-    end("fixed steps", tvi_integrate_to(it, 0.2, 1500, &t, &q, &p, NULL, NULL), t, q);
+    tvi_status status = tvi_integrate_to(it, 0.2, 1500, &t, &q, &p, NULL, NULL);
+    end("fixed steps", status, t, q);
     tvi_integrator_free(it);
     t = 0, q = p = 0.5;
     TVI_OR_EXIT(tvi_options_named("taylor", tvi_taylor_order(1e-9), &options));
     TVI_OR_EXIT(tvi_integrator_create(&it, damped, &options));
-    const tvi_status status = tvi_integrate_tolerance(it, 1e-9, 1500, &t, &q, &p, is_endless, NULL);
+    status = tvi_integrate_tolerance(it, 1e-9, 1500, &t, &q, &p, is_endless, NULL);
     end("tolerance", status, t, q);
     tvi_integrator_free(it), tvi_system_free(damped), tvi_system_free(spring);
     return verdict();

@@ -76,6 +76,91 @@ START_TEST(springs_of_any_amplitude)
 }
 END_TEST
 
+static void brake(const jet q[], const jet v[], jet t, jet force[], void *ctx)
+{
+    (void)q, (void)t, (void)ctx;
+    force[0] = jet_neg(v[0]);
+}
+
+/* A spring of each form, or the damped one (form 3). */
+static tvi_status make_damped_spring(int form, tvi_system **system)
+{
+    if (form < 3) return make_spring(form, system);
+    tvi_system *base;
+    tvi_status status = make_spring(0, &base);
+    if (status == TVI_OK) status = tvi_system_driven(system, base, brake, NULL);
+    tvi_system_free(base);
+    return status;
+}
+
+enum { MANY = 20000 };
+static int is_endless(long step, double t, const double q[], const double p[], void *ctx)
+{
+    (void)t, (void)q, (void)p, (void)ctx;
+    return step >= MANY;
+}
+
+/* Runs a spring from q = p = amplitude to t_end and returns its number of steps, or MANY if the run fails. */
+static long steps_to_tolerance(const tvi_system *system, double tolerance, double amplitude, double t_end, double *q)
+{
+    tvi_options options;
+    tvi_integrator *integrator;
+    double t = 0, p = amplitude;
+    *q = amplitude;
+    ck_assert_int_eq(tvi_options_named("taylor", tvi_taylor_order(tolerance), &options), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
+    const tvi_status status = tvi_integrate_tolerance(integrator, tolerance, t_end, &t, q, &p, is_endless, NULL);
+    const long steps = tvi_integrator_stats(integrator)->steps;
+    tvi_integrator_free(integrator);
+    return status == TVI_OK ? steps : MANY;
+}
+
+/* Runs to a tolerance of motions of any size take the same steps; below DBL_MIN / DBL_EPSILON they may take fewer, with
+ * the error of that size, and none more. */
+START_TEST(tolerance_of_any_amplitude)
+{
+    static const double tolerances[] = {1e-5, 1e-9, 1e-12, 1e-14};
+    complaints c = complaints_of("spring to a tolerance, form %d", _i);
+    tvi_system *system;
+    ck_assert_int_eq(make_damped_spring(_i, &system), TVI_OK);
+    for (int i = 0; i < 4; i++) {
+        double right, q;
+        const long usual = steps_to_tolerance(system, tolerances[i], 1, 10, &right);
+        ck_assert_int_lt(usual, 100);
+        for (int k = 0; k < EXPONENTS; k++) {
+            const double amplitude = pow(10, -k * EXPONENT_STEP), size = fmax(amplitude, DBL_MIN / DBL_EPSILON);
+            const long steps = steps_to_tolerance(system, tolerances[i], amplitude, 10, &q);
+            if (!(steps <= usual + 2))
+                complain(&c, "%g, tolerance %g: %ld steps for %ld: %s\n", amplitude, tolerances[i], steps, usual,
+                         tvi_last_error());
+            else if (!(fabs(q - right * amplitude) <= 100 * tolerances[i] * size))
+                complain(&c, "%g, tolerance %g: %g for %g\n", amplitude, tolerances[i], q, right * amplitude);
+        }
+    }
+    tvi_system_free(system);
+    expect_none(&c);
+}
+END_TEST
+
+/* A damped spring comes to rest, and stays there: twice the time takes no more than twice the steps. */
+START_TEST(damped_springs_come_to_rest)
+{
+    static const double tolerances[] = {1e-5, 1e-9, 1e-12, 1e-14};
+    tvi_system *system;
+    ck_assert_int_eq(make_damped_spring(3, &system), TVI_OK);
+    for (int i = 0; i < 4; i++) {
+        double q;
+        const long falling = steps_to_tolerance(system, tolerances[i], 1, 1000, &q);
+        ck_assert_int_lt(falling, MANY);
+        for (double t_end = 2000; t_end <= 16000; t_end *= 2) {
+            ck_assert_int_le(steps_to_tolerance(system, tolerances[i], 1, t_end, &q), (long)(t_end / 1000) * falling);
+            ck_assert_double_le(fabs(q), 100 * tolerances[i] * DBL_MIN / DBL_EPSILON);
+        }
+    }
+    tvi_system_free(system);
+}
+END_TEST
+
 /* A pulse of the force at t = 50, which grows from 0 through the least numbers. */
 static jet pulse(jet t) { return jet_exp(jet_neg(jet_sqr(jet_sub(t, 50)))); }
 static jet pushed(const jet q[], jet t, void *ctx) { return jet_sub(spring(q, t, ctx), jet_mul(q[0], pulse(t))); }
@@ -128,6 +213,8 @@ Suite *suite_sizes(void)
     Suite *suite = suite_create("sizes");
     TCase *tcase = tcase_create("sizes");
     tcase_add_loop_test(tcase, springs_of_any_amplitude, 0, 3);
+    tcase_add_loop_test(tcase, tolerance_of_any_amplitude, 0, 4);
+    tcase_add_test(tcase, damped_springs_come_to_rest);
     tcase_add_loop_test(tcase, pulse_from_rest, 0, 2);
     suite_add_tcase(suite, tcase);
     return suite;
