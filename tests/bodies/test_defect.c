@@ -112,6 +112,37 @@ START_TEST(shows_in_the_counts)
 }
 END_TEST
 
+/* g = 1. */
+static jet evenly(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)q, (void)p, (void)t, (void)ctx;
+    return jet_const(1);
+}
+
+/* Rescaled bodies, in both forms, have a defect, and are refused by it. */
+START_TEST(of_rescaled_bodies)
+{
+    const double mass[] = {1, 1e-3, 1};
+    const system_of_three s = planet_of_a_pair(1e-3, 0.9, 1.8 * acos(-1), 1);
+    const tvi_bodies b = {.bodies = BODIES, .axes = AXES, .mass = mass};
+    double q[N];
+    tvi_system *base, *rescaled;
+    tvi_integrator *it;
+    ck_assert_int_eq(tvi_bodies_system(&base, &b), TVI_OK);
+    ck_assert_int_eq((_i ? tvi_system_rescaled_reversible : tvi_system_rescaled)(&rescaled, base, evenly, NULL),
+                     TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&it, rescaled, NULL), TVI_OK);
+    ck_assert_int_eq(travel(it, &s, 0.63, 1, q), TVI_ETOOLARGE);
+    ck_assert_double_ge(tvi_integrator_stats(it)->largest_defect, 0.28);
+    ck_assert_int_eq(travel(it, &s, 0.05, 24, q), TVI_OK);
+    ck_assert_double_gt(tvi_integrator_stats(it)->largest_defect, 0);
+    ck_assert_double_le(tvi_integrator_stats(it)->largest_defect, 0.28);
+    tvi_integrator_free(it);
+    tvi_system_free(rescaled);
+    tvi_system_free(base);
+}
+END_TEST
+
 static void no_drive(const jet q[], const jet v[], jet t, jet force[], void *ctx)
 {
     (void)q, (void)t, (void)ctx;
@@ -165,6 +196,49 @@ START_TEST(of_tracers_of_one_place)
 }
 END_TEST
 
+/* The statuses of steps of bodies whose tails are above the limit below which the defect is skipped. */
+static tvi_status status_of_bodies(int bodies, const double mass[], const double q[], const double p[])
+{
+    const tvi_bodies b = {.bodies = bodies, .axes = AXES, .mass = mass};
+    tvi_system *system;
+    tvi_integrator *it;
+    tvi_options options;
+    double t = 0, x[N], y[N];
+    memcpy(x, q, sizeof x), memcpy(y, p, sizeof y);
+    ck_assert_int_eq(tvi_bodies_system(&system, &b), TVI_OK);
+    ck_assert_int_eq(tvi_options_named("galerkin", 8, &options), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&it, system, &options), TVI_OK);
+    const tvi_status status = tvi_integrate(it, 0.6, 4, &t, x, y, NULL, NULL);
+    ck_assert_double_gt(tvi_integrator_stats(it)->largest_tail, 1e-3);
+    ck_assert_double_gt(tvi_integrator_stats(it)->largest_defect, 0);
+    tvi_integrator_free(it);
+    tvi_system_free(system);
+    return status;
+}
+
+/* Test particles at places that differ by roundoff do not attract each other: each has the defect of its own motion
+ * about the star. */
+START_TEST(of_test_particles_of_one_place)
+{
+    const tvi_bodies b = {.bodies = BODIES, .axes = AXES, .mass = (const double[]){1, 0, 0}};
+    const double q[] = {0, 0, 1, 0, 1 + 0x1p-52, 0}, v[] = {0, 0, 0, 1.2, 0, 1.2};
+    double p[N];
+    tvi_bodies_momenta(&b, v, p);
+    ck_assert_msg(status_of_bodies(BODIES, b.mass, q, p) == TVI_OK, "%s", tvi_last_error());
+}
+END_TEST
+
+/* A body that passes so fast that nothing of the star is felt is right, though no polynomial has its force. */
+START_TEST(of_a_body_that_feels_nothing)
+{
+    const tvi_bodies b = {.bodies = BODIES, .axes = AXES, .mass = (const double[]){1, 0, 0}};
+    const double q[] = {0, 0, 1, 0, -15, 5}, v[] = {0, 0, 0, 1.2, 50, 0};
+    double p[N];
+    tvi_bodies_momenta(&b, v, p);
+    ck_assert_msg(status_of_bodies(BODIES, b.mass, q, p) == TVI_OK, "%s", tvi_last_error());
+}
+END_TEST
+
 /* A Lagrangian's field is a function of v: it has no defect, and right steps are accepted. */
 static jet in_a_turning_frame(const jet q[], const jet v[], jet t, void *ctx)
 {
@@ -200,8 +274,11 @@ Suite *suite_defect(void)
     tcase_set_timeout(tests, 120);
     tcase_add_loop_test(tests, a_planet_of_one_star, 0, 4);
     tcase_add_test(tests, shows_in_the_counts);
+    tcase_add_loop_test(tests, of_rescaled_bodies, 0, 2);
     tcase_add_test(tests, of_driven_bodies);
     tcase_add_test(tests, of_tracers_of_one_place);
+    tcase_add_test(tests, of_test_particles_of_one_place);
+    tcase_add_test(tests, of_a_body_that_feels_nothing);
     tcase_add_test(tests, not_of_lagrangians);
     suite_add_tcase(suite, tests);
     return suite;
