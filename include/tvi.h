@@ -120,8 +120,8 @@ TVI_NODISCARD tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system 
  * t' = g by s, for "galerkin". It needs no Hamiltonian: it serves forces, driven systems and any masses, also bodies so
  * light that the energy says nothing of them, which K = g (H + e) pushes by (H + e) g_q. Its steps are symmetric and
  * not symplectic: what is reversible keeps its actions without drift. Everything else is as for tvi_system_rescaled.
- *   TVI_EUNSUPPORTED  a rescaled system, a Lagrangian whose momenta are not M v + f(q, t); g NULL for a force, a driven
- *                     system or a Lagrangian
+ *   TVI_EUNSUPPORTED  a rescaled system; a Lagrangian whose momenta are not A(q, t) v + f(q, t), with A diagonal and
+ *                     constant or n at most 8; g NULL for a force, a driven system or a Lagrangian
  *   TVI_EDOMAIN       as of tvi_system_rescaled
  *   others            as of tvi_system_hamiltonian; n + 1 is at most the maximum
  * *out is NULL on failure. */

@@ -186,6 +186,81 @@ static bool record_velocities_of_masses(const tvi_system *base, const jet q[], c
     return recorded;
 }
 
+/* Tells whether the momenta of a Lagrangian are not M v + f(q, t) with a diagonal constant M. */
+static bool has_coupled_velocities(const tvi_system *system)
+{
+    return system->form == TVI_LAGRANGIAN && !system->has_masses;
+}
+
+/* [degrees of freedom] The largest L_vv that is recorded: its factors have n^3 / 6 products. */
+enum { MOST_COUPLED_VELOCITIES = 8 };
+
+/* Tells whether each momentum L_v of a Lagrangian is a polynomial of degree 1 in the velocities, as far as the
+ * operations that compute it show: sums, and products and quotients with what does not depend on them. Nodes of the
+ * degree 2 have this degree or another dependence. */
+static bool are_momenta_linear(const tvi_system *base)
+{
+    const jet_graph *graph = base->record.graph;
+    const int n = base->n;
+    bool are_linear = true;
+    for (int i = 0; i < jet_graph_node_count(graph); i++) {
+        struct jet_node *z = jet_graph_node_at(graph, i);
+        const int a = z->a ? z->a->scratch : 0, b = z->b ? z->b->scratch : 0;
+        int degree = z->op == OP_INPUT ? i >= n && i < 2 * n
+                     : z->op == OP_MUL ? a + b
+                     : z->op == OP_DIV ? a + 2 * b
+                                       : 2 * (a + b);
+        for (int k = 0; k < z->count; k++) {
+            const int of_term = z->terms[k].node->scratch;
+            degree = degree > of_term ? degree : of_term;
+        }
+        if (z->op != OP_LINEAR && z->count > 0) degree *= 2;
+        z->scratch = degree < 2 ? degree : 2;
+    }
+    for (int i = n; i < 2 * n; i++)
+        are_linear &= !base->record.field[i].node || base->record.field[i].node->scratch < 2;
+    return are_linear;
+}
+
+/* Solves A x = b with a symmetric A [n][n], by A = L D L^T, where row i of A becomes (L_i0, ..., D_i). x is in the
+ * place of b. */
+static void record_symmetric_solution(int n, jet *A, jet *x)
+{
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < i; j++) { /* L_ij D_j, and then L_ij */
+            for (int k = 0; k < j; k++)
+                A[i * n + j] = jet_sub(A[i * n + j], jet_mul(A[i * n + k], jet_mul(A[j * n + k], A[k * n + k])));
+            A[i * n + j] = jet_div(A[i * n + j], A[j * n + j]);
+        }
+        for (int k = 0; k < i; k++) {
+            A[i * n + i] = jet_sub(A[i * n + i], jet_mul(jet_sqr(A[i * n + k]), A[k * n + k]));
+            x[i] = jet_sub(x[i], jet_mul(A[i * n + k], x[k]));
+        }
+    }
+    for (int i = n - 1; i >= 0; i--) {
+        x[i] = jet_div(x[i], A[i * n + i]);
+        for (int k = i + 1; k < n; k++) x[i] = jet_sub(x[i], jet_mul(A[k * n + i], x[k]));
+    }
+}
+
+/* Records the velocities of a Lagrangian whose momenta are p = L_vv(q, t) v + f(q, t). Column j of L_vv is L_v - f at
+ * the unit vector j. The scratch array `field` has 2n jets. */
+static bool record_coupled_velocities(const tvi_system *base, const jet q[], const jet p[], jet t, jet field[], jet v[])
+{
+    const int n = base->n;
+    jet A[MOST_COUPLED_VELOCITIES * MOST_COUPLED_VELOCITIES], unit[MOST_COUPLED_VELOCITIES], f[MOST_COUPLED_VELOCITIES];
+    bool recorded = record_outputs(base, q, NULL, t, 2 * n, base->record.field, field);
+    for (int i = 0; i < n && recorded; i++) f[i] = field[n + i];
+    for (int j = 0; j < n && recorded; j++) {
+        for (int i = 0; i < n; i++) unit[i] = jet_const(i == j);
+        recorded = record_outputs(base, q, unit, t, 2 * n, base->record.field, field);
+        for (int i = 0; i < n && recorded; i++) A[i * n + j] = jet_sub(field[n + i], f[i]);
+    }
+    for (int i = 0; i < n && recorded; i++) v[i] = jet_sub(p[i], f[i]);
+    if (recorded) record_symmetric_solution(n, A, v);
+    return recorded;
+}
+
 /* Records q' and p' of the user's system: rate [2n]. Returns whether there was memory. */
 static bool record_user_rates(const tvi_system *base, const jet q[], const jet p[], jet t, jet rate[])
 {
@@ -193,7 +268,9 @@ static bool record_user_rates(const tvi_system *base, const jet q[], const jet p
     const bool is_hamiltonian = base->form == TVI_HAMILTONIAN;
     jet *field = malloc(3 * (size_t)n * sizeof *field), *v = field + 2 * n;
     if (!field) return false;
-    bool recorded = is_hamiltonian || record_velocities_of_masses(base, q, p, t, field, v);
+    bool recorded =
+        is_hamiltonian || (has_coupled_velocities(base) ? record_coupled_velocities(base, q, p, t, field, v)
+                                                        : record_velocities_of_masses(base, q, p, t, field, v));
     if (recorded) recorded = record_outputs(base, q, is_hamiltonian ? p : v, t, outputs, base->record.field, field);
     for (int i = 0; i < n && recorded; i++) {
         rate[i] = is_hamiltonian ? field[n + i] : v[i];
@@ -280,9 +357,11 @@ tvi_status tvi_system_rescaled_reversible(tvi_system **out, const tvi_system *sy
     *out = NULL;
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
     const char *const unsupported =
-        system->stepped_system != system                        ? "the system is rescaled already"
-        : system->constraints                                   ? THE_CONSTRAINED
-        : system->form == TVI_LAGRANGIAN && !system->has_masses ? "state the Hamiltonian instead of the Lagrangian"
+        system->stepped_system != system ? "the system is rescaled already"
+        : system->constraints            ? THE_CONSTRAINED
+        : has_coupled_velocities(system) && (system->n > MOST_COUPLED_VELOCITIES || !are_momenta_linear(system))
+            ? "the momenta are not linear in the velocities, or there are more than eight: "
+              "state the Hamiltonian instead of the Lagrangian"
         : !g && (!system->energy.tape || system->form == TVI_LAGRANGIAN || system->is_driven)
             ? "the automatic g is for potentials and Hamiltonians: give a g of your own"
             : NULL;
@@ -290,6 +369,8 @@ tvi_status tvi_system_rescaled_reversible(tvi_system **out, const tvi_system *sy
     rescaling_request request = {system, g, ctx, -1};
     tvi_system *stepped;
     const tvi_status status = tvi_system_create_from_rates(&stepped, system->n + 1, record_rates_by_s, &request);
-    if (status != TVI_OK) return jet_refuse(status, "the reversible form: %s", jet_last_refusal_text());
+    if (status != TVI_OK)
+        return jet_refuse(status, "the reversible form%s: %s",
+                          has_coupled_velocities(system) ? ", with v by L D L^T of L_vv" : "", jet_last_refusal_text());
     return finish_rescaled(out, system, stepped, !g);
 }

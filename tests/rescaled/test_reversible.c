@@ -43,6 +43,16 @@ static jet turning(const jet q[], const jet v[], jet t, void *ctx)
     return jet_sub(jet_add(T, A), driven(q, jet_const(0), ctx));
 }
 
+/* Velocities that are coupled, in a moving frame: L_vv depends on q and t. */
+static jet coupled(const jet q[], const jet v[], jet t, void *ctx)
+{
+    const jet a = jet_mul(jet_add(1, jet_mul(0.2, jet_sqr(q[1]))), jet_sqr(v[0])),
+              b = jet_mul(jet_mul(0.8, jet_cos(jet_sub(q[0], jet_mul(0.3, t)))), jet_mul(v[0], v[1])),
+              c = jet_mul(2.5, jet_sqr(v[1]));
+    const jet A = jet_mul(0.4, jet_sub(jet_mul(q[0], v[1]), jet_mul(q[1], v[0])));
+    return jet_sub(jet_add(jet_mul(0.5, jet_add(jet_add(a, b), c)), A), driven(q, jet_const(0), ctx));
+}
+
 /* H_p is not linear in p: relativistic. */
 static jet fast(const jet q[], const jet p[], jet t, void *ctx)
 {
@@ -50,7 +60,7 @@ static jet fast(const jet q[], const jet p[], jet t, void *ctx)
     return jet_add(jet_sqrt(jet_add(1, jet_dot(p, p, 2))), driven(q, jet_const(0), ctx));
 }
 
-typedef enum { POTENTIAL, FORCE, TIMED, DRIVEN, HAMILTONIAN, LAGRANGIAN, RELATIVISTIC, KINDS } kind_of_system;
+typedef enum { POTENTIAL, FORCE, TIMED, DRIVEN, HAMILTONIAN, LAGRANGIAN, COUPLED, RELATIVISTIC, KINDS } kind_of_system;
 
 static tvi_system *stated(kind_of_system kind)
 {
@@ -61,6 +71,7 @@ static tvi_system *stated(kind_of_system kind)
     if (kind == TIMED) status = tvi_system_potential(&system, 2, driven_mass, driven, NULL);
     if (kind == HAMILTONIAN) status = tvi_system_hamiltonian(&system, 2, magnetic, NULL);
     if (kind == LAGRANGIAN) status = tvi_system_lagrangian(&system, 2, turning, NULL);
+    if (kind == COUPLED) status = tvi_system_lagrangian(&system, 2, coupled, NULL);
     if (kind == RELATIVISTIC) status = tvi_system_hamiltonian(&system, 2, fast, NULL);
     if (kind == DRIVEN) {
         ck_assert_int_eq(tvi_system_potential(&base, 2, driven_mass, driven, NULL), TVI_OK);
@@ -339,7 +350,7 @@ static jet falling(const jet q[], const jet p[], jet t, void *ctx)
 static jet curved(const jet q[], const jet v[], jet t, void *ctx)
 {
     (void)t, (void)ctx;
-    return jet_mul(jet_add(1, jet_sqr(q[0])), jet_sqr(v[0]));
+    return jet_mul(jet_add(1, jet_sqr(q[0])), jet_add(jet_sqr(v[0]), jet_pow(v[0], 4)));
 }
 
 START_TEST(what_is_refused)
@@ -389,6 +400,45 @@ static jet of_the_other(const jet q[], const jet p[], jet t, void *ctx)
     (void)p, (void)t, (void)ctx;
     return jet_div(1, jet_add(1, jet_sqr(q[0])));
 }
+
+/* A chain of pendulums: L_vv is 2 where i = j, and else 0.4 cos (q_i - q_j) / (1 + |i - j|). *ctx is their number. */
+static jet chain(const jet q[], const jet v[], jet t, void *ctx)
+{
+    const int n = *(const int *)ctx;
+    jet L = jet_const(0);
+    (void)t;
+    for (int i = 0; i < n; i++) {
+        L = jet_add(L, jet_add(jet_sqr(v[i]), jet_mul(1 + 0.1 * i, jet_cos(q[i]))));
+        for (int j = 0; j < i; j++)
+            L = jet_add(L, jet_mul(0.4 / (1 + i - j), jet_mul(jet_cos(jet_sub(q[i], q[j])), jet_mul(v[i], v[j]))));
+    }
+    return L;
+}
+
+/* Up to eight velocities may be coupled, and move as in fixed steps. */
+START_TEST(chains_of_pendulums)
+{
+    enum { MOST = 9 };
+    int n = _i;
+    double t[2] = {0}, q[2][MOST], p[2][MOST];
+    tvi_system *system[2];
+    ck_assert_int_eq(tvi_system_lagrangian(&system[0], n, chain, &n), TVI_OK);
+    const tvi_status status = tvi_system_rescaled_reversible(&system[1], system[0], of_place, NULL);
+    ck_assert_int_eq(status, n < MOST ? TVI_OK : TVI_EUNSUPPORTED);
+    for (int k = 0; k < 2 && status == TVI_OK; k++) {
+        tvi_integrator *it;
+        for (int i = 0; i < n; i++) q[k][i] = 0.3 + 0.2 * i, p[k][i] = 1 - 0.3 * i;
+        ck_assert_int_eq(tvi_integrator_create(&it, system[k], NULL), TVI_OK);
+        ck_assert_int_eq(tvi_integrate_to(it, k ? 0.3 : 0.1, 3, &t[k], q[k], p[k], NULL, NULL), TVI_OK);
+        tvi_integrator_free(it);
+    }
+    for (int i = 0; i < n && status == TVI_OK; i++) {
+        ck_assert_double_le(fabs(q[1][i] - q[0][i]), 1e-12);
+        ck_assert_double_le(fabs(p[1][i] - p[0][i]), 1e-12);
+    }
+    tvi_system_free(system[0]), tvi_system_free(system[1]);
+}
+END_TEST
 
 /* K refuses a mass of at most 1e-8 of the largest where g depends on its coordinate or its momentum, and no other. */
 START_TEST(light_masses)
@@ -441,6 +491,7 @@ Suite *suite_reversible(void)
     tcase_add_test(tcase, light_masses);
     tcase_add_test(tcase, generated_code);
     tcase_add_loop_test(tcase, steps_for_an_error, 0, 2);
+    tcase_add_loop_test(tcase, chains_of_pendulums, 2, 10);
     tcase_add_test(tcase, what_is_refused);
     tcase_add_test(tcase, scale_that_is_not_positive);
     suite_add_tcase(suite, tcase);
