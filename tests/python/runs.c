@@ -26,6 +26,12 @@ static jet kepler(const jet q[], jet t, void *ctx)
     return jet_neg(jet_pow(jet_dot(q, q, 2), -0.5));
 }
 
+static void moving_line(const jet q[], jet t, jet value[], void *ctx)
+{
+    (void)ctx;
+    value[0] = jet_sub(jet_sub(jet_add(q[0], q[1]), 1), jet_mul(0.8, jet_sin(t)));
+}
+
 static void pushed(const jet q[], jet t, jet force[], void *ctx)
 {
     (void)ctx;
@@ -202,6 +208,9 @@ int main(void)
     tvi_system_free(other);
     check(tvi_system_driven(&other, system, friction, NULL));
     run("driven", other, NULL, (tvi_run_plan){.h = 0.25, .steps = 200}, 0);
+    tvi_system_free(other);
+    check(tvi_system_constrained(&other, system, 1, moving_line, NULL));
+    run("constrained", other, NULL, (tvi_run_plan){.h = 0.02, .steps = 200}, 0);
     tvi_system_free(other);
     check(tvi_system_force(&other, 2, mass, pushed, NULL));
     run("force", other, NULL, (tvi_run_plan){.h = 0.25, .steps = 200}, 0);

@@ -75,6 +75,8 @@ def runs():
         "driven": run(system.driven(lambda q, v: -0.01 * v), h=0.25, steps=200),
         "force": run(tvi.force(2, lambda q, t: [0.3 * np.cos(t) - np.sin(q[0]), -2 * (q[1] - q[0])], mass=[1, 2.5]),
                      h=0.25, steps=200),
+        "constrained": run(tvi.constrained(system, lambda q, t: [q[0] + q[1] - 1 - 0.8 * np.sin(t)]), h=0.02,
+                           steps=200),
     }
     product = tvi.hamiltonian(1, lambda q, p, k: (k * np.square(q[0]) + 1) * (np.square(p[0]) + 1) / 2, k=1.5)
     lines["hamiltonian"] = run(product, h=0.1, steps=200)

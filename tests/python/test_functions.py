@@ -22,10 +22,11 @@ KINDS = {
     "lagrangian": (functools.partial(tvi.lagrangian, 2), "q v"),
     "hamiltonian": (functools.partial(tvi.hamiltonian, 2), "q p"),
     "driven": (SPRING.driven, "q v"),
+    "constrained": (functools.partial(tvi.constrained, SPRING), "q"),
     "rescaled": (SPRING.rescaled, "q p"),
     "event 0": (event, "q p"),
 }
-VECTOR_VALUED = ("force", "driven")
+VECTOR_VALUED = {"force": "[-q_[0], -q_[1]]", "driven": "[-q_[0], -q_[1]]", "constrained": "[q_[0]]"}
 ROLES = {"q": "q position", "v": "v qd qdot velocity", "p": "p momentum", "t": "t time"}
 
 
@@ -35,7 +36,7 @@ class Functions(unittest.TestCase):
         names = [a.strip(" *").split("=")[0] for a in arguments.split(",")]
         names = [name for name in names if name not in ("/", "")]
         self.got = {}
-        value = "[-q_[0], -q_[1]]" if kind in VECTOR_VALUED else "2 + q_ @ q_ + (s_ @ s_ if s_ is not None else 0)"
+        value = VECTOR_VALUED.get(kind, "2 + q_ @ q_ + (s_ @ s_ if s_ is not None else 0)")
         code = f"lambda {arguments}: (got.update({', '.join(f'{n}={n}' for n in names)}), value(got))[1]"
         scope = {"got": self.got}
         scope["value"] = lambda got: eval(value, {"q_": vectors_in(got)[0], "s_": vectors_in(got)[1]})

@@ -165,6 +165,7 @@ class Interrupts(unittest.TestCase):
             for call in (lambda: tvi.potential(1, function), lambda: tvi.force(2, function),
                          lambda: tvi.lagrangian(1, function), lambda: tvi.hamiltonian(1, function),
                          lambda: kepler().rescaled(function), lambda: kepler().driven(function),
+                         lambda: tvi.constrained(kepler(), function),
                          lambda: it.integrate(0.1, 5, at_step=function),
                          lambda: it.integrate(0.1, 500, events=lambda q, p: q @ p, on_event=function),
                          lambda: it.run(h=0.1, times=[it.t + 1], at_time=function),

@@ -66,7 +66,9 @@ class Solve(unittest.TestCase):
         nothing = tvi.solve(system, (2, 2), [1, 0], [1, 1])
         self.assertEqual((nothing.t.tolist(), nothing.q[0].tolist(), nothing.status), ([2], [1, 0], 0))
         self.assertEqual(tvi.solve(system, (0, 1), [0, 0], p0=0, h=0.1).end_error(), 0)
-        self.assertIsNone(tvi.solve(tvi.force(1, lambda q: -q), (0, 1), [1], p0=0, h=0.1).energy)
+        force = tvi.force(1, lambda q: -q)
+        for made in force, force.rescaled(lambda q, p: 1 + q[0]**2, reversible=True):
+            self.assertIsNone(tvi.solve(made, (0, 1), [1], p0=0, h=0.1).energy)
         self.assertEqual(len(tvi.solve(system, (0, 1), [1, 0], p0=0, h=0.1, t_eval=[]).t), 0)
 
     def test_suggested(self):

@@ -1,8 +1,8 @@
 """Taylor variational integrators: symplectic integrators of any order from the Taylor series of your own equations.
 
-State a problem with `potential`, `force`, `lagrangian` or `hamiltonian`; `solve` makes a run of it. `Integrator` goes
-step by step, `ensemble` many orbits at once; `gravity` has bodies and orbital elements. docs/python.md is the way in,
-include/tvi.h the reference of the library.
+State a problem with `potential`, `force`, `lagrangian` or `hamiltonian`, perhaps `constrained`; `solve` makes a run of
+it. `Integrator` goes step by step, `ensemble` many orbits at once; `gravity` has bodies and orbital elements.
+docs/python.md is the way in, include/tvi.h the reference of the library.
 """
 
 from . import gravity
@@ -15,7 +15,7 @@ from ._library import Error, Interrupted, __version__
 from ._many import EnsembleResult, ensemble, lyapunov, megno
 from ._methods import Compiled, Method, compile, suggest_step, taylor_order, write_compiled
 from ._solve import Result, solve
-from ._systems import System, force, hamiltonian, lagrangian, potential
+from ._systems import System, constrained, force, hamiltonian, lagrangian, potential
 
 for _public in (Compiled, Ensemble, EnsembleResult, Error, Event, Found, Integrator, Interrupted, Jet, Method, Result,
                 Stats, System):

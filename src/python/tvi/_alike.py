@@ -9,11 +9,10 @@ from typing import Any, Callable, Iterator, NamedTuple
 
 import numpy as np
 
-from ._arguments import required_system
 from ._arrays import Doubles
 from ._library import Handle, check, ffi, lib
 from ._methods import Method, method_of
-from ._systems import System
+from ._systems import System, required_system
 
 
 class Made:

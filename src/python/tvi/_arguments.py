@@ -55,13 +55,6 @@ def answered(function: _Call) -> _Call:
     return call  # type: ignore[return-value]
 
 
-def required_system(system: Any) -> System:
-    if not isinstance(system, System):
-        raise TypeError(f"system is what tvi.potential and its like make, not {type(system).__name__}, and the first "
-                        "argument")
-    return system
-
-
 def _require_one(names: list[str], p: Any, v: Any) -> None:
     if p is None and v is None:
         raise TypeError(f"{names[1]} is missing: {names[1]}=0 for rest, or {names[2]}=... where you have velocities")

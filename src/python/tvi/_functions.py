@@ -153,15 +153,16 @@ def scalar(function: Function, guard: Guard, kind: str, n: int) -> Any:
     return guard.callback(kind, call, _REFUSED)
 
 
-def vector(function: Function, guard: Guard, kind: str, n: int) -> Any:
-    """The callback of a function that returns n jets, which are written when all of them are known to be right."""
+def vector(function: Function, guard: Guard, kind: str, n: int, count: int | None = None) -> Any:
+    """The callback of a function that returns n jets, or so many, which are written when all of them are known to be
+    right."""
 
     def call(*arguments: Any) -> None:
         *vectors, t, out, _ = arguments
         recording = Recording()
         try:
             jets = [recording.jets(pointer, n) for pointer in vectors]
-            values = recording.results(function(recording, jets, t), n, function.what)
+            values = recording.results(function(recording, jets, t), n if count is None else count, function.what)
             for i, value in enumerate(values):
                 out[i] = value
         finally:

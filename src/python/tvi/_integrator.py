@@ -13,7 +13,7 @@ from ._events import Recorded, events_of
 from ._library import Guard, Handle, Interrupted, check, ffi, lib, make
 from ._methods import Compiled, Method, code_for, resolved
 from ._runs import Course, Observers, Way, advice, ended, new_plan
-from ._systems import System, energies, transforms
+from ._systems import System, constraint_numbers, energies, transforms
 
 
 class Integrator(Made):
@@ -137,6 +137,33 @@ class Integrator(Made):
     def momentum(self, q: Array, v: Array) -> np.ndarray:
         """The momenta of velocities at its time and with its parameters; as System.momentum."""
         return self._transform(lib.tvi_integrator_momentum, q, v, "v")
+
+    def project(self) -> None:
+        """Moves its state onto the constraints, with its parameters; as System.project.
+
+        >>> import tvi
+        >>> pendulum = tvi.constrained(tvi.potential(2, lambda q: 9.8 * q[1]), lambda q: [(q @ q - 1) / 2])
+        >>> orbit = tvi.Integrator(pendulum, [1.1, 0], v=[0.1, 2])
+        >>> orbit.project()
+        >>> print(orbit.q, orbit.p)
+        [1. 0.] [0. 2.]
+        """
+        with self._busy.running():
+            check(lib.tvi_integrator_project(self._handle.pointer, self.t, self._q.pointer, self._p.pointer))
+
+    def constraint_values(self) -> tuple[np.ndarray, np.ndarray]:
+        """phi and dphi/dt [m] of its state, with its parameters; as System.constraint_values."""
+        return self._of_constraints(lib.tvi_integrator_constraint_values, self.system.constraints)
+
+    def multipliers(self) -> tuple[np.ndarray, np.ndarray]:
+        """The multipliers [m] and the force of constraint [n] of its state, with its parameters; as
+        System.multipliers."""
+        return self._of_constraints(lib.tvi_integrator_multipliers, self.system.n)
+
+    def _of_constraints(self, function: Any, width: int) -> tuple[np.ndarray, np.ndarray]:
+        with self._busy.asked():
+            return constraint_numbers(function, self._handle.pointer, self.system.n, (self.system.constraints, width),
+                                      self.t, self.q, self.p)
 
     def _transform(self, function: Any, q: Array, x: Any, name: str) -> np.ndarray:
         with self._busy.asked():

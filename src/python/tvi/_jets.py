@@ -20,6 +20,14 @@ _COMPLEX = ("jets are real, not complex: write real and imaginary parts, such as
             "np.exp(1j * x)")
 
 
+class Miscounted(ValueError):
+    """Carries how many components a function has returned, where another number was expected."""
+
+    def __init__(self, text: str, count: int):
+        super().__init__(text)
+        self.count = count
+
+
 class Recording:
     """One call of a user's function. Its jets can be used while it is open, by the thread that is called."""
 
@@ -72,9 +80,9 @@ class Recording:
         try:
             items = list(values)
         except TypeError:
-            raise TypeError(f"{what} returned {type(values).__name__}, not {count} jets or numbers") from None
+            raise TypeError(f"{what} returned {type(values).__name__}, not a list of jets or numbers") from None
         if len(items) != count:
-            raise ValueError(f"{what} returned {len(items)} components, not {count}")
+            raise Miscounted(f"{what} returned {len(items)} components, not {count}", len(items))
         return [self.result(item, f"component {i} of what {what}") for i, item in enumerate(items)]
 
 

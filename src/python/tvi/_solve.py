@@ -11,7 +11,7 @@ from typing import Any, Callable
 import numpy as np
 
 from ._alike import Stats
-from ._arguments import answered, required_system, start_of_one
+from ._arguments import answered, start_of_one
 from ._arrays import Array, fraction, numbers, step_size
 from ._events import Found, Recorded, events_of, found
 from ._integrator import Integrator
@@ -20,7 +20,7 @@ from ._methods import Compiled, Method, compile, measured_step, method_to
 from ._recorder import ROWS, Progress, Recorder
 from ._runs import Way
 from ._solution import Dense, Solution
-from ._systems import System
+from ._systems import System, required_system
 
 GAINS_FROM = 1e8  # steps times n, of "galerkin": some ten seconds, of which compiling takes five and saves half
 WEIGHT = {"galerkin": 1, "stormer-verlet": 0.3, "taylor": 2}  # of a step, relative to "galerkin"; others: 10
@@ -29,10 +29,11 @@ WEIGHT = {"galerkin": 1, "stormer-verlet": 0.3, "taylor": 2}  # of a step, relat
 class Result:
     """What tvi.solve returns.
 
-    t [k]: the times, all of t_eval, or those of the steps; q, p, v [k, n]; energy [k], None for a force. events: for
-    each function its t [e], q and p [e, n]. status: 0 the end was reached, 1 a terminal event ended the run, -1 a step
-    was refused, -2 Ctrl-C; success: whether it is 0 or 1; message: the same in words. stats: tvi.Stats. h: the step;
-    error: what tvi.suggest_step measured, None where the step was given. sol: see tvi.solve.
+    t [k]: the times, all of t_eval, or those of the steps; q, p, v [k, n]; energy [k], None for a force. phi and
+    multipliers [k, m], constraint_force [k, n]: of m constraints, else None. events: for each function its t [e], q and
+    p [e, n]. status: 0 the end was reached, 1 a terminal event ended the run, -1 a step was refused, -2 Ctrl-C;
+    success: whether it is 0 or 1; message: the same in words. stats: tvi.Stats. h: the step; error: what
+    tvi.suggest_step measured, None where the step was given. sol: see tvi.solve.
     t_end, q_end, p_end: the state at the end; integrator: the tvi.Integrator, which may go on from there."""
 
     def __init__(self, integrator: Integrator, way: dict[str, Any], h: float, error: float | None):
@@ -58,6 +59,22 @@ class Result:
     @cached_property
     def v(self) -> np.ndarray:
         return self._recorded.velocity(self.t, self.q, self.p)
+
+    @cached_property
+    def phi(self) -> np.ndarray | None:
+        return self._recorded.constraint_values(self.t, self.q, self.p)[0] if self.system.constraints else None
+
+    @property
+    def multipliers(self) -> np.ndarray | None:
+        return self._multipliers[0]
+
+    @property
+    def constraint_force(self) -> np.ndarray | None:
+        return self._multipliers[1]
+
+    @cached_property
+    def _multipliers(self) -> tuple:
+        return self._recorded.multipliers(self.t, self.q, self.p) if self.system.constraints else (None, None)
 
     @cached_property
     def _recorded(self) -> System:
@@ -129,6 +146,8 @@ class Run:
                               **cuts)
             self.result.status = 0 if is_whole else 1
         except Error as error:
+            if it.system.constraints and it.stats.steps == 0 and error.status in ("EINVAL", "ESINGULAR"):
+                raise  # The constraints refuse the start.
             self.result.status, self.result.message = -1, f"a step was refused at t = {it.t}: {error}."
         except KeyboardInterrupt:
             self.result.status, self.result.message = -2, f"interrupted at t = {it.t}"
@@ -200,9 +219,9 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
     terminal; a function is called with t and the part that is done. parameters: values of those of the system.
 
     A step that is refused ends the run: status -1, with the text of tvi_last_error in the message, and what was
-    reached. Raises tvi.Error where there is no run at all, as for a method that does not serve the system, or an error
-    below roundoff; ValueError and TypeError for arguments; on Ctrl-C tvi.Interrupted, whose `result` has what was
-    reached.
+    reached. Raises tvi.Error where there is no run at all, as for a method that does not serve the system, an error
+    below roundoff, or a start that is not on the constraints; ValueError and TypeError for arguments; on Ctrl-C
+    tvi.Interrupted, whose `result` has what was reached.
 
     >>> import numpy as np, tvi
     >>> kepler = tvi.potential(2, lambda q: -1 / np.sqrt(q @ q))

@@ -9,6 +9,7 @@ import numpy as np
 
 from ._arrays import Array, Doubles, integer, numbers, pointer, spread
 from ._functions import Function, checked_parameters, scalar, vector
+from ._jets import Miscounted
 from ._library import Guard, Handle, check, ffi, lib, make
 
 MAX_DIMENSION = 10000
@@ -34,8 +35,9 @@ class System:
         return _again, (self.kind, self._arguments, dict(self.parameters))
 
     def __repr__(self) -> str:
+        constraints = f", {self.constraints} constraint{'s' * (self.constraints > 1)}" if self.constraints else ""
         named = "".join(f", {name}={value}" for name, value in self.parameters.items())
-        return f"<tvi system: {self.kind.replace('_', ', ')}, n = {self.n}{named}>"
+        return f"<tvi system: {self.kind.replace('_', ', ')}, n = {self.n}{constraints}{named}>"
 
     @property
     def kind(self) -> str:
@@ -50,6 +52,11 @@ class System:
         return self._stated[2]
 
     @property
+    def constraints(self) -> int:
+        """How many constraints it has, m; 0: none."""
+        return lib.tvi_system_constraints(self._handle.pointer)
+
+    @property
     def is_rescaled(self) -> bool:
         """Whether its steps are in s, dt = g ds."""
         return self.kind in ("rescaled", "rescaled_reversible")
@@ -62,15 +69,15 @@ class System:
     @property
     def masses(self) -> np.ndarray:
         """The masses [n] of the coordinates; 1 for a Lagrangian and a Hamiltonian, which state none."""
-        if self.is_rescaled or self.kind == "driven":
+        if self.kind not in _CALLS:
             return self._arguments[0].masses
         mass = self._arguments[2] if self.kind in ("potential", "force") else None
         return spread("mass", 1.0 if mass is None else mass, self.n).copy()
 
     @property
     def has_energy(self) -> bool:
-        """Whether it has a Hamiltonian: all but a force."""
-        return self.kind != "force"
+        """Whether it has a Hamiltonian: all but a force, and what is made of one."""
+        return self.kind != "force" if self.kind in _CALLS else self._arguments[0].has_energy
 
     @property
     def tangent_rows(self) -> int:
@@ -174,6 +181,71 @@ class System:
         """
         return _derived("driven", self, drive, "q v", parameters)
 
+    # ---- Of a constrained system -------------------------------------------------------------------------------------
+
+    def project(self, q: Array, p: Array = None, *, v: Array = None, t: Array = 0.0,
+                **parameters: Any) -> tuple[np.ndarray, np.ndarray]:
+        """q and p on the constraints, phi = 0 and dphi/dt = 0: the nearest ones, by the masses, if they are near.
+
+        q, and p or v: [n], or [k, n] for k states, then t is a number or [k]; 0: at rest. parameters: values of those
+        of the system. Raises tvi.Error: EUNSUPPORTED for a system without constraints; ESINGULAR, with the constraint,
+        where one depends on the others or has no gradient; ENOCONV where no state is found.
+
+        >>> import tvi
+        >>> pendulum = tvi.constrained(tvi.potential(2, lambda q: 9.8 * q[1]), lambda q: [(q @ q - 1) / 2])
+        >>> print(*pendulum.project([1.1, 0], v=[0.1, 2]))
+        [1. 0.] [0. 2.]
+        """
+        system = self.recorded_with(parameters)
+        if (p is None) == (v is None):
+            raise TypeError("give momenta p or velocities v, one of them; 0 for rest")
+        if v is not None:  # Masses may depend on q: p is that of v on the constraints.
+            v = np.zeros(np.shape(q)) if _is_zero(v) else v
+            q, _ = system._projected(t, q, system.momentum(t, q, v))
+            p = system.momentum(t, q, v)
+        return system._projected(t, q, np.zeros(np.shape(q)) if _is_zero(p) else p)
+
+    def _projected(self, t: Array, q: Array, p: Array) -> tuple[np.ndarray, np.ndarray]:
+        t, q, p, single = _states(self.n, t, q, p, "p")
+        for k in range(len(q)):
+            at, there = Doubles(self.n), Doubles(self.n)
+            at.array[:], there.array[:] = q[k], p[k]
+            check(lib.tvi_project(self._handle.pointer, t[k], at.pointer, there.pointer))
+            q[k], p[k] = at.array, there.array
+        return (q[0], p[0]) if single else (q, p)
+
+    def constraint_values(self, t: Array, q: Array, p: Array) -> tuple[np.ndarray, np.ndarray]:
+        """phi and dphi/dt of a state, [m] each, or [k, m] for k states, as of energy(). Raises tvi.Error (EUNSUPPORTED)
+        for a system without constraints.
+
+        >>> import tvi
+        >>> pendulum = tvi.constrained(tvi.potential(2, lambda q: 9.8 * q[1]), lambda q: [(q @ q - 1) / 2])
+        >>> pendulum.constraint_values(0, [2, 0], [3, 4])
+        (array([1.5]), array([6.]))
+        """
+        m = self.constraints
+        return constraint_numbers(lib.tvi_constraint_values, self._handle.pointer, self.n, (m, m), t, q, p)
+
+    def multipliers(self, t: Array, q: Array, p: Array) -> tuple[np.ndarray, np.ndarray]:
+        """The multipliers lambda [m] of a state on the constraints, and the force of constraint [n], which is
+        -sum lambda_k dphi_k/dq; [k, m] and [k, n] for k states, as of energy(). Raises tvi.Error: EUNSUPPORTED for a
+        system without constraints, ESINGULAR where a constraint depends on the others.
+
+        >>> import tvi
+        >>> pendulum = tvi.constrained(tvi.potential(2, lambda q: 9.8 * q[1]), lambda q: [(q @ q - 1) / 2])
+        >>> print(*pendulum.multipliers(0, [0, -1], [1, 0]))
+        [10.8] [-0.  10.8]
+        """
+        widths = self.constraints, self.n
+        return constraint_numbers(lib.tvi_multipliers, self._handle.pointer, self.n, widths, t, q, p)
+
+
+def required_system(system: Any) -> System:
+    if not isinstance(system, System):
+        raise TypeError(f"system is what tvi.potential and its like make, not {type(system).__name__}, and the first "
+                        "argument")
+    return system
+
 
 def energies(function: Callable, owner: Any, n: int, t: Array, q: Array, p: Array) -> Any:
     t, q, p, single = _states(n, t, q, p, "p")
@@ -192,6 +264,18 @@ def transforms(function: Callable, owner: Any, n: int, t: Array, q: Array, x: An
         check(function(owner, t[k], pointer(q[k]), pointer(x[k]), y.pointer))
         values[k] = y.array
     return values[0] if single else values
+
+
+def constraint_numbers(function: Callable, owner: Any, n: int, widths: tuple[int, int], t: Array, q: Array,
+                       p: Array) -> tuple[np.ndarray, np.ndarray]:
+    """The two vectors that the function computes of each state, of these widths."""
+    t, q, p, single = _states(n, t, q, p, "p")
+    one, other = (Doubles(width) for width in widths)
+    values, others = (np.empty((len(q), width)) for width in widths)
+    for k in range(len(q)):
+        check(function(owner, t[k], pointer(q[k]), pointer(p[k]), one.pointer, other.pointer))
+        values[k], others[k] = one.array, other.array
+    return (values[0], others[0]) if single else (values, others)
 
 
 def _states(n: int, t: Array, q: Array, x: Any, name: str) -> tuple:
@@ -223,23 +307,33 @@ def _stated(kind: str, n: Any, function: Callable, mass: Array, parameters: dict
     return System(kind, n, (n, function, mass), values, made)
 
 
-def _derived(kind: str, system: System, function: Callable | None, vectors: str, parameters: dict[str, Any]) -> System:
+def _added(kind: str, system: System, function: Callable, vectors: str, parameters: dict[str, Any]) -> Function:
+    """A function that is added to a system, with the parameters of the system and new ones."""
     new = checked_parameters(parameters)
     if twice := set(new) & set(system.parameters):
         raise ValueError(f"the system has a parameter {min(twice)} already")
-    values = {**system.parameters, **new}
-    guard, callback = Guard(), ffi.NULL
+    recorded = Function(kind, function, vectors, {**system.parameters, **new}, takes_all=False)
+    if missing := set(new) - set(recorded.named):
+        raise TypeError(f"{kind} takes no parameter {min(missing)}")
+    return recorded
+
+
+def _derived(kind: str, system: System, function: Callable | None, vectors: str, parameters: dict[str, Any]) -> System:
+    guard, callback, values = Guard(), ffi.NULL, system.parameters
     if function is not None:
-        recorded = Function(kind, function, vectors, values, takes_all=False)
-        if missing := set(new) - set(recorded.named):
-            raise TypeError(f"{kind} takes no parameter {min(missing)}")
+        recorded = _added(kind, system, function, vectors, parameters)
+        values = recorded.values
         callback = vector(recorded, guard, "tvi_drive_fn *", system.n) if kind == "driven" else \
             scalar(recorded, guard, "tvi_rescale_fn *", system.n)
     elif kind == "driven":
         raise TypeError("drive is a function of (q, v) or (q, v, t), not NoneType")
     create = getattr(lib, "tvi_system_" + kind)
     made = make("tvi_system", lambda out: create(out, system._handle.pointer, callback, ffi.NULL), guard)
-    return System(kind, system.n, (system, function), values, made)
+    return System(kind, system.n, (system, function), dict(values), made)
+
+
+def _is_zero(x: Any) -> bool:
+    return np.isscalar(x) and x == 0
 
 
 def _again(kind: str, arguments: tuple, parameters: dict[str, Any], others: dict[str, Any] = {}) -> System:
@@ -249,6 +343,8 @@ def _again(kind: str, arguments: tuple, parameters: dict[str, Any], others: dict
     base, function = arguments
     inherited = base.recorded_with({name: value for name, value in others.items() if name in base.parameters})
     new = {name: value for name, value in parameters.items() if name not in base.parameters}
+    if kind == "constrained":
+        return constrained(inherited, function, **new)
     return inherited.driven(function, **new) if kind == "driven" else \
         inherited.rescaled(function, kind == "rescaled_reversible")
 
@@ -299,3 +395,38 @@ def hamiltonian(n: int, H: Callable, **parameters: Any) -> System:
     2.0
     """
     return _stated("hamiltonian", n, H, None, parameters)
+
+
+def constrained(system: System, function: Callable, **parameters: Any) -> System:
+    """The same system on the constraints phi = 0: pendulums, rods, chains, linkages (docs/constraints.md).
+
+    function(q) or function(q, t) returns a list of m jets phi, 0 < m < n, in any units; it is called once to count
+    them, and once to record them. parameters by keyword: those of the system that it names, and new ones, with their
+    values. Steps of "galerkin" find the forces of constraint, -sum lambda_k dphi_k/dq. q and p keep their n numbers,
+    and p stays M v. A run begins on the constraints, to half of the digits; System.project moves other states onto
+    them. Results have phi, multipliers and constraint_force. Rescaled systems, tangents and compiled steps do not
+    serve. Raises tvi.Error: EINVAL for m out of range and a phi_k that is a number or depends on t alone, EUNSUPPORTED
+    for a system that is rescaled, or constrained already.
+
+    >>> import tvi
+    >>> pendulum = tvi.constrained(tvi.potential(2, lambda q: 9.8 * q[1]), lambda q: [(q @ q - 1) / 2])
+    >>> run = tvi.solve(pendulum, (0, 10), q0=[1, 0], v0=0, h=0.1)
+    >>> abs(run.phi).max() < 1e-15, abs(run.energy).max() < 1e-13, run.multipliers.shape
+    (True, True, (101, 1))
+    """
+    recorded = _added("constrained", required_system(system), function, "q", parameters)
+
+    def make_of(m: int) -> Any:
+        guard = Guard()
+        callback = vector(recorded, guard, "tvi_constraint_fn *", system.n, m)
+        return make("tvi_system", lambda out: lib.tvi_system_constrained(out, system._handle.pointer, m, callback,
+                                                                         ffi.NULL), guard)
+
+    count = 1
+    try:
+        made = make_of(count)
+    except Miscounted as counted:  # The library is told the number before it calls the function.
+        count = counted.count
+    if count != 1:
+        made = make_of(count)
+    return System("constrained", system.n, (system, function), dict(recorded.values), made)
