@@ -228,6 +228,20 @@ template <class Event, class Time, class Step> class plan_observers
     guarded<Step> step_;
 };
 
+/* The [m] numbers that way(owner, t, q, p, numbers, other) computes of the m constraints of a system of n coordinates,
+ * where the library also says that there are none. `other` gets its size. */
+template <class Way, class Owner, class Q, class P>
+std::vector<double> of_constraints(Way way, const Owner *owner, std::size_t n, int m, double t, const Q &q, const P &p,
+                                   std::vector<double> &other, std::size_t size)
+{
+    std::vector<double> found(static_cast<std::size_t>(m) + 1), others(size + 1); /* memory for m = 0, too */
+    check(way(owner, t, data_of("q", n, q), data_of("p", n, p), found.data(), others.data()));
+    found.pop_back();
+    others.pop_back();
+    other.swap(others);
+    return found;
+}
+
 /* Tells whether a run came to its end; false if an observer or an event stopped it. */
 inline bool ended(tvi_status status)
 {
@@ -259,6 +273,25 @@ class system
     template <class Q, class P> P velocity(double t, const Q &q, const P &p) const
     {
         return transform(tvi_velocity, t, q, "p", p);
+    }
+
+    /* Of a constrained system: m, and what tvi_project, tvi_constraint_values and tvi_multipliers do. `rate` and
+     * `force` get their size; they stay what they were where anything is thrown. */
+    int constraints() const noexcept { return tvi_system_constraints(get()); }
+    template <class Q, class P> void project(double t, Q &q, P &p) const
+    {
+        detail::check(tvi_project(get(), t, detail::data_of("q", size(), q), detail::data_of("p", size(), p)));
+    }
+    template <class Q, class P>
+    std::vector<double> constraint_values(double t, const Q &q, const P &p, std::vector<double> &rate) const
+    {
+        const std::size_t m = static_cast<std::size_t>(constraints());
+        return detail::of_constraints(tvi_constraint_values, get(), size(), constraints(), t, q, p, rate, m);
+    }
+    template <class Q, class P>
+    std::vector<double> multipliers(double t, const Q &q, const P &p, std::vector<double> &force) const
+    {
+        return detail::of_constraints(tvi_multipliers, get(), size(), constraints(), t, q, p, force, size());
     }
 
   protected:
@@ -408,6 +441,18 @@ class driven : public system
     }
 };
 
+/* The system on m constraints. The callable is void function(const jet *q, jet t, jet *value). */
+class constrained : public system
+{
+  public:
+    template <class Function> constrained(const system &base, int m, Function function)
+    {
+        own(function, [&](tvi_system **out, void *g) {
+            return tvi_system_constrained(out, base.get(), m, detail::force_of<Function>, g);
+        });
+    }
+};
+
 /* ---- Events ------------------------------------------------------------------------------------------------------ */
 
 /* The callable is jet g(const jet *q, const jet *p, jet t). */
@@ -506,6 +551,24 @@ class integrator
         detail::check(
             tvi_integrator_energy(get(), t, detail::data_of("q", size(), q), detail::data_of("p", size(), p), &H));
         return H;
+    }
+    /* These do what those of a constrained system do, with the integrator's values of the parameters. */
+    template <class Q, class P> void project(double t, Q &q, P &p) const
+    {
+        detail::check(tvi_integrator_project(get(), t, of("q", q), of("p", p)));
+    }
+    template <class Q, class P>
+    std::vector<double> constraint_values(double t, const Q &q, const P &p, std::vector<double> &rate) const
+    {
+        const std::size_t m = static_cast<std::size_t>(system_.constraints());
+        return detail::of_constraints(tvi_integrator_constraint_values, get(), size(), system_.constraints(), t, q, p,
+                                      rate, m);
+    }
+    template <class Q, class P>
+    std::vector<double> multipliers(double t, const Q &q, const P &p, std::vector<double> &force) const
+    {
+        return detail::of_constraints(tvi_integrator_multipliers, get(), size(), system_.constraints(), t, q, p, force,
+                                      size());
     }
 
     template <class Q, class P> void step(double h, double &t, Q &q, P &p)

@@ -284,6 +284,45 @@ static void drives()
            }));
 }
 
+/* A free particle on a circle, whose radius is a parameter. */
+static void constraints()
+{
+    const double half = 0.5;
+    const tvi::potential free(2, [](const jet *, jet) { return jet(0); });
+    const auto circle = [=](const jet *x, jet, jet *value) {
+        value[0] = half * (x[0] * x[0] + x[1] * x[1] - sqr(jet_parameter(x[0], 0, 1)));
+    };
+    const tvi::constrained ring(free, 1, circle);
+    tvi::integrator moving(ring), wide(ring);
+    double t = 0;
+    std::vector<double> q = {1, 0}, p = {0, 1}, far = {3, 4}, p_far = {3, 5}, rate, force;
+    expect("one", ring.constraints() == 1 && free.constraints() == 0 && ring.parameters() == 1);
+    expect("to the end", moving.integrate_to(0.1, 1, t, q, p));
+    expect("cos t", std::fabs(q[0] - std::cos(1.0)) < 1e-15 && std::fabs(p[0] + std::sin(1.0)) < 1e-14);
+    const std::vector<double> lambda = ring.multipliers(t, q, p, force);
+    expect("lambda", lambda.size() == 1 && force.size() == 2 && std::fabs(lambda[0] - 1) < 1e-14);
+    expect("its force", std::fabs(force[0] + q[0]) < 1e-14 && std::fabs(force[1] + q[1]) < 1e-14);
+    expect("phi", ring.constraint_values(t, far, p_far, rate)[0] == 12 && rate == std::vector<double>({29}));
+    wide.set_parameters({10});
+    expect("off", throws([&] { wide.step(0.1, t, far, p_far); }, TVI_EINVAL, "phi[0] = -37.5: the state is not"));
+    std::vector<double> on = far, p_on = p_far;
+    wide.project(t, on, p_on);
+    expect("onto the wide one", std::fabs(on[0] - 6) < 1e-14 && std::fabs(p_on[0] + 0.48) < 1e-14);
+    expect("is on it", std::fabs(wide.constraint_values(t, on, p_on, rate)[0]) < 1e-13 && std::fabs(rate[0]) < 1e-14);
+    expect("its lambda", std::fabs(wide.multipliers(t, on, p_on, force)[0] - 0.0036) < 1e-15);
+    ring.project(t, far, p_far);
+    expect("onto it", std::fabs(far[0] - 0.6) < 1e-15 && std::fabs(p_far[1] - 0.36) < 1e-14);
+    rate = {7};
+    expect("none", throws([&] { free.multipliers(t, q, p, rate); }, TVI_EUNSUPPORTED, "has no constraints"));
+    expect("none, either", throws([&] { free.constraint_values(t, q, p, rate); }, TVI_EUNSUPPORTED, "constraints"));
+    expect("as it was", rate == std::vector<double>({7}));
+    expect("two", throws([&] { tvi::constrained(free, 2, circle); }, TVI_EINVAL, "m = n = 2"));
+    expect("twice", throws([&] { tvi::constrained(ring, 1, circle); }, TVI_EUNSUPPORTED, "constrained"));
+    expect("a constraint", throws_seven([&] {
+               tvi::constrained(free, 1, [=](const jet *x, jet, jet *v) { v[0] = x[0], half > 0 ? throw 7 : 0; });
+           }));
+}
+
 static bool same_bits(const std::vector<double> &a, const double b[])
 {
     return std::memcmp(a.data(), b, a.size() * sizeof *b) == 0;
@@ -420,6 +459,7 @@ int main()
     runs();
     parameters_and_code();
     drives();
+    constraints();
     plans();
     ensembles();
     errors_of_ensembles();
