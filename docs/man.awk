@@ -52,7 +52,7 @@ function wrap(text, first, rest,    word, count, i, s)
 }
 function put_line(s) { gsub("\001", " ", s); put(code_line(s)) }
 
-# a declaration or a member: a comment that does not fit behind it stands below it
+# a declaration or a member: a comment that does not fit behind it stands below it, as do arguments behind a long name
 function print_code(s,    margin, code, remark)
 {
     if (length(s) <= WIDTH) { put(code_line(s)); return }
@@ -63,6 +63,7 @@ function print_code(s,    margin, code, remark)
     sub(/ *\/\*.*/, "", code)
     if (gsub(/, /, ",\002", code)) gsub(/ /, "\001", code)
     gsub("\002", " ", code)
+    if (index(code " ", " ") > WIDTH) sub(/\(/, "( ", code)
     sub(/ \*\/$/, "\001*/", remark)
     if (code != "") wrap(code, margin, margin "        ")
     if (remark != "") wrap(remark, code == "" ? margin : margin "    ", (code == "" ? margin : margin "    ") "   ")
