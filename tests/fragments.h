@@ -46,11 +46,11 @@ static bool ends_well(const char *where, tvi_integrator *integrator, double t, d
     double t = 0, t_end = 10, duration = 10, h = 0.1, q[] = {1, 0}, p[] = {0, 0.8};                                    \
     tvi_observer *observer = NULL;                                                                                     \
     tvi_options options = tvi_options_default();                                                                       \
-    tvi_system *system = NULL, *rescaled = NULL, *driven = NULL;                                                       \
+    tvi_system *system = NULL, *rescaled = NULL, *driven = NULL, *constrained = NULL;                                  \
     tvi_integrator *integrator = NULL, *other = NULL;                                                                  \
     if (tvi_system_potential(&system, 2, NULL, potential, NULL) != TVI_OK) return false;                               \
     if (tvi_integrator_create(&integrator, system, NULL) != TVI_OK) return false;                                      \
     if (tvi_integrator_create(&other, system, NULL) != TVI_OK) return false;                                           \
     if (tvi_integrate(integrator, h, 3, &t, q, p, NULL, NULL) != TVI_OK) return false;                                 \
-    (void)buffer, (void)t_end, (void)duration, (void)observer, (void)options, (void)rescaled, (void)driven, (void)pi,  \
-        (void)pendulum;
+    (void)buffer, (void)t_end, (void)duration, (void)observer, (void)options, (void)rescaled, (void)driven,            \
+        (void)constrained, (void)pi, (void)pendulum;

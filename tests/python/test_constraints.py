@@ -2,12 +2,13 @@
 
 import math
 import pickle
+import re
 import unittest
 
 import numpy as np
 
 import tvi
-from problems import same_bits
+from problems import ROOT, same_bits
 
 G = 9.8
 
@@ -230,6 +231,28 @@ class Refused(unittest.TestCase):
                      lambda: pendulum().rescaled(lambda q, p: 1 + q[0]**2, reversible=True),
                      lambda: tvi.compile(pendulum())):
             self.refused(tvi.Error, "constrained|rescaled", call, "EUNSUPPORTED")
+
+    def test_page(self):
+        """The table of docs/constraints.md: each row is refused with its status and text, and the state stays."""
+        system, here, there = pendulum(), [1.001, 0], [0, 0]
+        calls = {"m = n": lambda: tvi.constrained(fall(), lambda q: list(q)),
+                 "a number, or a function of t alone": lambda: tvi.constrained(fall(), lambda q: [1.0]),
+                 "a start off the constraints": lambda: tvi.solve(system, (0, 1), here, 0, h=0.1),
+                 "velocities across them": lambda: tvi.solve(system, (0, 1), [1, 0], [1e-3, 1], h=0.1),
+                 "redundant or contradictory ones": lambda: tvi.solve(tvi.constrained(
+                     fall(3), lambda q: [*rod(q), 3 * rod(q)[0]]), (0, 1), [1, 0, 0], 0, h=0.1),
+                 "a gradient that is 0": lambda: system.project(there, 0),
+                 "no place is found": lambda: tvi.constrained(fall(), lambda q: [q @ q + 1]).project([0.5, 0.2], 0),
+                 'another method than "galerkin"': lambda: tvi.Integrator(system, [1, 0], 0, method="midpoint"),
+                 "constraints of a constrained system": lambda: tvi.constrained(system, rod)}
+        page = (ROOT / "docs/constraints.md").read_text()
+        rows = re.findall(r"^\| (.*) \| TVI_(\w+) \| (.*) \|$", page, re.M)
+        self.assertEqual([what for what, _, _ in rows], list(calls))
+        for what, status, text in rows:
+            with self.subTest(what), self.assertRaises(tvi.Error) as raised:
+                calls[what]()
+            self.assertEqual((raised.exception.status, text in str(raised.exception)), (status, True),
+                             str(raised.exception))
 
     def test_arguments(self):
         system = pendulum()

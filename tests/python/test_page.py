@@ -1,5 +1,5 @@
-"""The programs of docs/python.md, bodies.md and chaos.md run one after the other and print what stands below them; the
-examples of docstrings do, too, and every public name has one."""
+"""The programs of docs/python.md, bodies.md, chaos.md and constraints.md run one after the other and print what stands
+below them; the examples of docstrings do, too, and every public name has one."""
 
 import contextlib
 import doctest
@@ -41,7 +41,7 @@ class Page(unittest.TestCase):
 
     def test_programs(self):
         self.assertGreater(self.run_programs(PAGE, 8)["kepler.png"], 10000)
-        for page in ("bodies", "chaos"):
+        for page in ("bodies", "chaos", "constraints"):
             self.run_programs((ROOT / f"docs/{page}.md").read_text(), 1)
 
     def test_readme(self):
