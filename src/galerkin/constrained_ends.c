@@ -162,8 +162,6 @@ static void predict_impulses(constrained_work *work, int equal_step_count, int r
         });
 }
 
-/* Predicts a step: impulses of the forces and multipliers, and from them the unknowns and positions. The normals G are
- * those at the start of the step, and in a second round those at the positions that follow. */
 tvi_status tvi_constrained_predict(constrained_work *work, const tvi_step_origin *origin, int equal_step_count,
                                    tvi_stats *stats)
 {

@@ -284,13 +284,14 @@ static void drives()
            }));
 }
 
-/* A free particle on a circle, whose radius is a parameter. */
+/* A free particle on a circle, whose radius is a parameter that phi is divided by, too. */
 static void constraints()
 {
     const double half = 0.5;
     const tvi::potential free(2, [](const jet *, jet) { return jet(0); });
     const auto circle = [=](const jet *x, jet, jet *value) {
-        value[0] = half * (x[0] * x[0] + x[1] * x[1] - sqr(jet_parameter(x[0], 0, 1)));
+        const jet radius = jet_parameter(x[0], 0, 1);
+        value[0] = half * (x[0] * x[0] + x[1] * x[1] - sqr(radius)) / radius;
     };
     const tvi::constrained ring(free, 1, circle);
     tvi::integrator moving(ring), wide(ring);
@@ -304,12 +305,12 @@ static void constraints()
     expect("its force", std::fabs(force[0] + q[0]) < 1e-14 && std::fabs(force[1] + q[1]) < 1e-14);
     expect("phi", ring.constraint_values(t, far, p_far, rate)[0] == 12 && rate == std::vector<double>({29}));
     wide.set_parameters({10});
-    expect("off", throws([&] { wide.step(0.1, t, far, p_far); }, TVI_EINVAL, "phi[0] = -37.5: the state is not"));
+    expect("off", throws([&] { wide.step(0.1, t, far, p_far); }, TVI_EINVAL, "phi[0] = -3.75: the state is not"));
     std::vector<double> on = far, p_on = p_far;
     wide.project(t, on, p_on);
     expect("onto the wide one", std::fabs(on[0] - 6) < 1e-14 && std::fabs(p_on[0] + 0.48) < 1e-14);
     expect("is on it", std::fabs(wide.constraint_values(t, on, p_on, rate)[0]) < 1e-13 && std::fabs(rate[0]) < 1e-14);
-    expect("its lambda", std::fabs(wide.multipliers(t, on, p_on, force)[0] - 0.0036) < 1e-15);
+    expect("its lambda", std::fabs(wide.multipliers(t, on, p_on, force)[0] - 0.036) < 1e-15);
     ring.project(t, far, p_far);
     expect("onto it", std::fabs(far[0] - 0.6) < 1e-15 && std::fabs(p_far[1] - 0.36) < 1e-14);
     rate = {7};
