@@ -73,77 +73,103 @@ typedef struct {
 
 static inline int constraint_row_begin(const tvi_constraints *c, int k) { return k > 0 ? c->row_end[k - 1] : 0; }
 
-/* out = W x, or h W x; [n][lanes]. The two may be the same array with masses alone. */
+/* to += sign a b for rows of lanes; of one state there is one lane. */
+JET_INLINE void lanes_add_product(double *to, const double *a, const double *b, const double sign, const int lanes)
+{
+    if (lanes == 1) *to += sign * *a * *b;
+    for (int v = 0; v < lanes / NODE_VEC; v++)
+        node_store(to, v, node_load(to, v) + sign * node_load(a, v) * node_load(b, v));
+}
+
+/* to += factor a. */
+JET_INLINE void lanes_add_multiple(double *to, double factor, const double *a, const int lanes)
+{
+    if (lanes == 1) *to += factor * *a;
+    for (int v = 0; v < lanes / NODE_VEC; v++) node_store(to, v, node_load(to, v) + factor * node_load(a, v));
+}
+
+/* to *= a. */
+JET_INLINE void lanes_multiply(double *to, const double *a, const int lanes)
+{
+    if (lanes == 1) *to *= *a;
+    for (int v = 0; v < lanes / NODE_VEC; v++) node_store(to, v, node_load(to, v) * node_load(a, v));
+}
+
+/* out = W x, or h W x; [n][lanes]. */
 JET_INLINE void constraint_apply_W(const constraint_nodes *at, const double *W, const double *x, double *out,
                                    const int lanes)
 {
+    memset(out, 0, (size_t)(at->n * lanes) * sizeof *out);
     for (int i = 0; i < at->n; i++) {
-        double sum[GALERKIN_MAX_LANES] = {0};
-        for (int j = at->has_masses ? i : 0; j < (at->has_masses ? i + 1 : at->n); j++)
-            for (int lane = 0; lane < lanes; lane++)
-                sum[lane] += W[at->has_masses ? i : i * at->n + j] * x[j * lanes + lane];
-        for (int lane = 0; lane < lanes; lane++) out[i * lanes + lane] = sum[lane];
+        if (at->has_masses) lanes_add_multiple(out + i * lanes, W[i], x + i * lanes, lanes);
+        for (int j = 0; j < (at->has_masses ? 0 : at->n); j++)
+            lanes_add_multiple(out + i * lanes, W[i * at->n + j], x + j * lanes, lanes);
     }
 }
 
 /* out = G^T x, [n][lanes] from [count][lanes]; entry e of G is at G[e * lanes]. */
-JET_INLINE void constraint_apply_GT(const constraint_nodes *at, const double *G, const double *x, double *restrict out,
+JET_INLINE void constraint_apply_GT(const constraint_nodes *at, const double *G, const double *x, double *out,
                                     const int lanes)
 {
     const tvi_constraints *c = at->constraints;
     memset(out, 0, (size_t)(at->n * lanes) * sizeof *out);
     for (int k = 0, e = 0; k < at->count; k++)
         for (; e < c->row_end[k]; e++)
-            for (int lane = 0; lane < lanes; lane++)
-                out[c->column[e] * lanes + lane] += G[e * lanes + lane] * x[k * lanes + lane];
+            lanes_add_product(out + c->column[e] * lanes, G + e * lanes, x + k * lanes, 1, lanes);
 }
 
 /* out += G x, [count][lanes] from [n][lanes]. */
-JET_INLINE void constraint_add_G(const constraint_nodes *at, const double *G, const double *x, double *restrict out,
+JET_INLINE void constraint_add_G(const constraint_nodes *at, const double *G, const double *x, double *out,
                                  const int lanes)
 {
     const tvi_constraints *c = at->constraints;
     for (int k = 0, e = 0; k < at->count; k++)
         for (; e < c->row_end[k]; e++)
-            for (int lane = 0; lane < lanes; lane++)
-                out[k * lanes + lane] += G[e * lanes + lane] * x[c->column[e] * lanes + lane];
+            lanes_add_product(out + k * lanes, G + e * lanes, x + c->column[e] * lanes, 1, lanes);
+}
+
+/* Sets S = G W G^T. */
+JET_INLINE void constraint_set_S(const constraint_nodes *at, const double *G, double *S, const int lanes)
+{
+    const tvi_constraints *c = at->constraints;
+    for (int l = 0; l < at->count; l++) {
+        double *const row = at->pass.scratch;
+        memset(row, 0, (size_t)(at->n * lanes) * sizeof *row);
+        for (int e = constraint_row_begin(c, l); e < c->row_end[l]; e++) {
+            const int j = c->column[e];
+            if (at->has_masses) lanes_add_multiple(row + j * lanes, at->W[j], G + e * lanes, lanes);
+            for (int i = 0; i < (at->has_masses ? 0 : at->n); i++)
+                lanes_add_multiple(row + i * lanes, at->W[i * at->n + j], G + e * lanes, lanes);
+        }
+        for (int k = l; k < at->count; k++) {
+            if (at->S.first[k] > l) continue;
+            double *const to = S + (at->S.row_begin[k] + l - at->S.first[k]) * lanes;
+            memset(to, 0, (size_t)lanes * sizeof *to);
+            for (int e = constraint_row_begin(c, k); e < c->row_end[k]; e++)
+                lanes_add_product(to, G + e * lanes, row + c->column[e] * lanes, 1, lanes);
+        }
+    }
 }
 
 /* Sets S = G W G^T, and factors it. The diagonal of the factor is stored as its reciprocal. Returns the least pivot as
  * a part of the diagonal of S, at any lane; *least is its constraint. */
 JET_INLINE double constraint_factor(const constraint_nodes *at, const double *G, double *S, int *least, const int lanes)
 {
-    const tvi_constraints *c = at->constraints;
     double worst = INFINITY;
-    for (int l = 0; l < at->count; l++) {
-        double *const row = at->pass.scratch;
-        memset(row, 0, (size_t)(at->n * lanes) * sizeof *row);
-        for (int e = constraint_row_begin(c, l); e < c->row_end[l]; e++)
-            for (int i = at->has_masses ? c->column[e] : 0; i < (at->has_masses ? c->column[e] + 1 : at->n); i++)
-                for (int lane = 0; lane < lanes; lane++)
-                    row[i * lanes + lane] += at->W[at->has_masses ? i : i * at->n + c->column[e]] * G[e * lanes + lane];
-        for (int k = l; k < at->count; k++) {
-            double *const to = S + (at->S.row_begin[k] + l - at->S.first[k]) * lanes;
-            if (at->S.first[k] > l) continue;
-            memset(to, 0, (size_t)lanes * sizeof *to);
-            for (int e = constraint_row_begin(c, k); e < c->row_end[k]; e++)
-                for (int lane = 0; lane < lanes; lane++)
-                    to[lane] += G[e * lanes + lane] * row[c->column[e] * lanes + lane];
-        }
-    }
+    constraint_set_S(at, G, S, lanes);
     for (int k = 0; k < at->count; k++) {
-        double *const of_k = S + (at->S.row_begin[k] - at->S.first[k]) * lanes;
+        double *const of_k = S + (at->S.row_begin[k] - at->S.first[k]) * lanes, *const pivot = of_k + k * lanes;
+        double before[GALERKIN_MAX_LANES];
+        memcpy(before, pivot, (size_t)lanes * sizeof *pivot);
         for (int l = at->S.first[k]; l <= k; l++) {
             const double *const of_l = S + (at->S.row_begin[l] - at->S.first[l]) * lanes;
-            double *const to = of_k + l * lanes, before[GALERKIN_MAX_LANES];
-            memcpy(before, to, (size_t)lanes * sizeof *to);
             for (int j = at->S.first[k] > at->S.first[l] ? at->S.first[k] : at->S.first[l]; j < l; j++)
-                for (int lane = 0; lane < lanes; lane++) to[lane] -= of_k[j * lanes + lane] * of_l[j * lanes + lane];
-            for (int lane = 0; lane < lanes && l < k; lane++) to[lane] *= of_l[l * lanes + lane];
-            for (int lane = 0; lane < lanes && l == k; lane++) {
-                if (!(to[lane] / before[lane] >= worst)) worst = to[lane] / before[lane], *least = k;
-                to[lane] = 1 / sqrt(to[lane]);
-            }
+                lanes_add_product(of_k + l * lanes, of_k + j * lanes, of_l + j * lanes, -1, lanes);
+            if (l < k) lanes_multiply(of_k + l * lanes, of_l + l * lanes, lanes);
+        }
+        for (int lane = 0; lane < lanes; lane++) {
+            if (!(pivot[lane] / before[lane] >= worst)) worst = pivot[lane] / before[lane], *least = k;
+            pivot[lane] = 1 / sqrt(pivot[lane]);
         }
     }
     return worst;
@@ -155,14 +181,14 @@ JET_INLINE void constraint_solve(const constraint_nodes *at, const double *S, do
     for (int k = 0; k < at->count; k++) {
         const double *const row = S + (at->S.row_begin[k] - at->S.first[k]) * lanes;
         for (int j = at->S.first[k]; j < k; j++)
-            for (int lane = 0; lane < lanes; lane++) x[k * lanes + lane] -= row[j * lanes + lane] * x[j * lanes + lane];
-        for (int lane = 0; lane < lanes; lane++) x[k * lanes + lane] *= row[k * lanes + lane];
+            lanes_add_product(x + k * lanes, row + j * lanes, x + j * lanes, -1, lanes);
+        lanes_multiply(x + k * lanes, row + k * lanes, lanes);
     }
     for (int k = at->count - 1; k >= 0; k--) {
         const double *const row = S + (at->S.row_begin[k] - at->S.first[k]) * lanes;
-        for (int lane = 0; lane < lanes; lane++) x[k * lanes + lane] *= row[k * lanes + lane];
+        lanes_multiply(x + k * lanes, row + k * lanes, lanes);
         for (int j = at->S.first[k]; j < k; j++)
-            for (int lane = 0; lane < lanes; lane++) x[j * lanes + lane] -= row[j * lanes + lane] * x[k * lanes + lane];
+            lanes_add_product(x + j * lanes, row + j * lanes, x + k * lanes, -1, lanes);
     }
 }
 
@@ -173,10 +199,8 @@ JET_INLINE void constraint_to_sources(int count, const double *targets, const do
                                       const int lanes)
 {
     for (int r = 0; r < count; r++) {
-        double moved[GALERKIN_MAX_LANES];
-        for (int lane = 1; lane < lanes; lane++) moved[lane] = targets[r * lanes + lane - 1];
-        moved[0] = start ? start[r] : 0;
-        memcpy(sources + r * lanes, moved, (size_t)lanes * sizeof *moved);
+        memcpy(sources + r * lanes + 1, targets + r * lanes, (size_t)(lanes - 1) * sizeof *sources);
+        sources[r * lanes] = start ? start[r] : 0;
     }
 }
 
@@ -195,12 +219,11 @@ JET_INLINE void constraint_sum(int count, const double *table, const double *x, 
 /* Sets K = -(G^T mu + (G^T mu)_q dx), where `bent` [n][lanes] has the second term at the targets. */
 JET_INLINE void constraint_set_impulses(const constraint_nodes *at, const double *bent, const int lanes)
 {
-    double *const K = at->K, last[GALERKIN_MAX_LANES];
+    double *const K = at->K, *const at_sources = at->pass.turn;
     constraint_apply_GT(at, at->G.sources, at->mu, K, lanes);
-    for (int i = 0; i < at->n; i++) {
-        for (int lane = 0; lane < lanes; lane++) last[lane] = lane > 0 && bent ? bent[i * lanes + lane - 1] : 0;
-        for (int lane = 0; lane < lanes; lane++) K[i * lanes + lane] = -(K[i * lanes + lane] + last[lane]);
-    }
+    if (bent) constraint_to_sources(at->n, bent, NULL, at_sources, lanes);
+    else memset(at_sources, 0, (size_t)(at->n * lanes) * sizeof *K);
+    for (int v = 0; v < at->n * lanes / NODE_VEC; v++) node_store(K, v, -(node_load(K, v) + node_load(at_sources, v)));
 }
 
 /* Sets `moved` from the impulses. */
@@ -209,7 +232,8 @@ JET_INLINE void constraint_set_moved(const constraint_nodes *at, double *moved, 
     double *const sum = at->pass.scratch;
     constraint_sum(at->n, at->tables->source_to_target, at->K, sum, lanes);
     constraint_apply_W(at, at->hW, sum, moved, lanes);
-    for (int i = 0; i < at->n * lanes; i++) moved[i] += at->X.by_forces[i];
+    for (int v = 0; v < at->n * lanes / NODE_VEC; v++)
+        node_store(moved, v, node_load(moved, v) + node_load(at->X.by_forces, v));
 }
 
 /* Rounds the last bits off the positions. */
@@ -229,7 +253,10 @@ JET_INLINE bool constraint_evaluate(const constraint_nodes *at, const int lanes)
     const int *const slot = c->values->output_slot, numbers = at->n * lanes;
     double *const C = at->pass.values;
     constraint_round(numbers, at->X.now, C);
-    for (int i = 0; i < numbers; i++) at->pass.rest[i] = (at->X.free[i] - C[i]) + (at->X.moved[i] + at->X.free_low[i]);
+    for (int v = 0; v < numbers / NODE_VEC; v++)
+        node_store(at->pass.rest, v,
+                   (node_load(at->X.free, v) - node_load(C, v)) +
+                       (node_load(at->X.moved, v) + node_load(at->X.free_low, v)));
     for (int i = 0; i < at->n; i++)
         for (int lane = at->tables->node_count - 1; lane < lanes; lane++)
             at->pass.rest[i * lanes + lane] += at->X.end_roundoff[i];
@@ -250,9 +277,10 @@ JET_INLINE bool constraint_bend(const constraint_nodes *at, double *bent, double
     const tvi_constraints *c = at->constraints;
     const int *const slot = c->curvature->output_slot;
     double *const mu = at->pass.curvature + 2 * at->n * lanes;
-    for (int k = 0; k < at->count; k++)
-        for (int lane = 0; lane < lanes; lane++)
-            mu[k * lanes + lane] = lane + 1 < lanes ? at->mu[k * lanes + lane + 1] : 0;
+    for (int k = 0; k < at->count; k++) {
+        memcpy(mu + k * lanes, at->mu + k * lanes + 1, (size_t)(lanes - 1) * sizeof *mu);
+        mu[(k + 1) * lanes - 1] = 0;
+    }
     if (!jet_sweep_values(c->curvature, at->pass.curvature, lanes)) return false;
     for (int i = 0; i < at->n; i++)
         memcpy(bent + i * lanes, at->pass.curvature + slot[i] * lanes, (size_t)lanes * sizeof *mu);
@@ -271,25 +299,23 @@ JET_INLINE void constraint_correct_mu(const constraint_nodes *at, double *r, dou
     memset(r, 0, (size_t)(at->count * lanes) * sizeof *r);
     constraint_add_G(at, at->G.sources, dx, r, lanes);
     constraint_solve(at, at->S.sources, r, lanes);
-    const double per_h = 1 / at->h;
-    for (int i = 0; i < at->count * lanes; i++) at->mu[i] += r[i] * per_h;
+    for (int k = 0; k < at->count; k++) lanes_add_multiple(at->mu + k * lanes, 1 / at->h, r + k * lanes, lanes);
 }
 
 /* Moves the positions X. Returns the movement, the sum of the squares of their changes relative to their sizes. */
 JET_INLINE double constraint_move(const constraint_nodes *at, const double inverse_size[], const int lanes)
 {
-    double squares[GALERKIN_MAX_LANES] = {0}, total = 0;
+    node_vec squares = {0};
     constraint_set_moved(at, at->X.moved, lanes);
     for (int i = 0; i < at->n; i++)
-        for (int lane = 0; lane < lanes; lane++) {
-            const int k = i * lanes + lane;
-            const double next = at->X.free[k] + (at->X.moved[k] + at->X.free_low[k]),
-                         change = (next - at->X.now[k]) * inverse_size[i];
-            squares[lane] += change * change;
-            at->X.now[k] = next;
+        for (int v = i * lanes / NODE_VEC; v < (i + 1) * lanes / NODE_VEC; v++) {
+            const node_vec low = node_load(at->X.moved, v) + node_load(at->X.free_low, v),
+                           next = node_load(at->X.free, v) + low,
+                           change = (next - node_load(at->X.now, v)) * inverse_size[i];
+            squares += change * change;
+            node_store(at->X.now, v, next);
         }
-    for (int lane = 0; lane < lanes; lane++) total += squares[lane];
-    return total;
+    return node_sum(squares);
 }
 
 /* What a pass over the constraints finds. */
@@ -319,8 +345,10 @@ JET_INLINE constraint_outcome constraint_pass_rows(const constraint_nodes *at, b
         if (!constraint_bend(at, at->pass.bent, at->pass.residual, lanes)) return outcome;
         constraint_set_impulses(at, at->pass.bent, lanes);
         constraint_set_moved(at, dx, lanes);
-        for (int k = 0; k < numbers; k++) dx[k] = at->pass.rest[k] + (dx[k] - at->X.moved[k]);
-        for (int k = 0; k < at->count * lanes; k++) at->pass.residual[k] += at->pass.phi[k];
+        for (int v = 0; v < numbers / NODE_VEC; v++)
+            node_store(dx, v, node_load(at->pass.rest, v) + (node_load(dx, v) - node_load(at->X.moved, v)));
+        for (int v = 0; v < at->count * lanes / NODE_VEC; v++)
+            node_store(at->pass.residual, v, node_load(at->pass.residual, v) + node_load(at->pass.phi, v));
         constraint_add_G(at, at->G.targets, dx, at->pass.residual, lanes);
         constraint_correct_mu(at, at->pass.residual, at->pass.turn, lanes);
     }

@@ -8,6 +8,7 @@
 
 /* [1] The director of an axis is left out if its E is at most this part of the largest moment of inertia. */
 #define RIGID_LEAST_E (16 * DBL_EPSILON)
+
 /* ---- Bodies and their coordinates -------------------------------------------------------------------------------- */
 
 rigid_layout tvi_rigid_layout(const tvi_rigid *r, int body)
