@@ -7,17 +7,18 @@
 
 #include <math.h>
 
-/* [1] The factor of S is computed anew in a pass whose predecessor moved the unknowns by more than this part. */
-#define CONSTRAINT_FACTOR_MAX_MOVEMENT 1e-4 /* found: make constraints */
+/* [1] The factor of S is computed anew in a pass whose predecessor moved the unknowns by more than this part. A factor
+ * that is off by it corrects all but this part of an error, as the iterations of a pass do. */
+#define CONSTRAINT_FACTOR_MAX_MOVEMENT 1e-4
 /* [1] A pass is expected to leave at least this part of the error, although constraints, whose errors the first passes
  * show, converge faster than forces. */
-#define CONSTRAINT_LEAST_CONTRACTION 1e-3 /* found: make longrun */
+#define CONSTRAINT_LEAST_CONTRACTION 1e-3 /* found: make constraints */
 /* [1] A predicted step with a larger tail is made again from its start. Results with such tails are called doubtful
  * (docs/stability.md). */
 #define CONSTRAINT_DOUBTFUL_TAIL 1e-2
 /* [1], [passes] Movements of at most this part that no longer shrink are roundoff after so many passes. */
-#define CONSTRAINT_ROUNDOFF        (256 * DBL_EPSILON) /* found: make longrun */
-#define CONSTRAINT_ROUNDOFF_PASSES 4                   /* found: make longrun */
+#define CONSTRAINT_ROUNDOFF        (256 * DBL_EPSILON) /* found: make constraints */
+#define CONSTRAINT_ROUNDOFF_PASSES 4                   /* found: make constraints */
 
 /* ---- Memory and tables ------------------------------------------------------------------------------------------- */
 

@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-/* [1] The iteration for the last impulse of a step ends after so many rounds. */
-#define CONSTRAINT_MAX_ROUNDS 50 /* found: make constraints */
+/* The limit of the iteration for the last impulse of a step, which is not reached: it ends at roundoff. */
+enum { CONSTRAINT_MAX_ROUNDS = 50 };
 
 /* ---- One state --------------------------------------------------------------------------------------------------- */
 

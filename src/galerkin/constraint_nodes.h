@@ -17,7 +17,7 @@
 
 /* [bits] The last bits of the positions that centres do not have. More than for a Lagrangian's gradient, since second
  * derivatives of phi are used: (2^-33)^3 is below roundoff. */
-#define CONSTRAINT_ROUNDED_BITS 20 /* found: make longrun */
+#define CONSTRAINT_ROUNDED_BITS 20 /* found: make constraints */
 /* [iterations] The corrections of the multipliers in a pass. */
 #define CONSTRAINT_ITERATIONS 3 /* found: make constraints */
 /* [1] A pivot of S, divided by the diagonal of S, is 0 if it is at most this times the number of constraints. */

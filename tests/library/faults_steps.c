@@ -61,6 +61,31 @@ START_TEST(steps_allocate_nothing)
 }
 END_TEST
 
+/* On constraints a run begins at a state that is on them, by "galerkin" and by RATTLE. */
+START_TEST(constrained_steps_allocate_nothing)
+{
+    tvi_system *system = create_everything(CONSTRAINED, true);
+    tvi_options options;
+    tvi_integrator *integrator;
+    double t = 0, q[N] = {0.1, -0.2, 0.3}, p[N] = {0.1, 0.1, -0.1}, q_dense[N], p_dense[N];
+    ck_assert_int_eq(tvi_options_named(_i ? "stormer-verlet" : "galerkin", _i ? 2 : 8, &options), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
+    ck_assert_int_eq(tvi_project(system, t, q, p), TVI_OK);
+    bool good = true;
+    allocation_fail(FAIL_ONWARD, 1);
+    for (int i = 0; i < STEPS; i++) {
+        good = good && tvi_step(integrator, i % 2 ? 0.01 : -0.01, &t, q, p) == TVI_OK;
+        good = good && tvi_dense(integrator, 0.25, q_dense, p_dense) == TVI_OK;
+        if (i % 10 == 0) tvi_integrator_reset(integrator);
+    }
+    const allocation_counts counts = allocation_stop();
+    ck_assert_int_eq(counts.calls, 0);
+    ck_assert(good);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
 /* A potential's Galerkin step; with TVI_TESTS=all that of every form but one; with TVI_COMPILED=all all ways. */
 static bool is_compiled(const way *w)
 {
@@ -121,6 +146,7 @@ TCase *tcase_allocations(void)
 {
     TCase *tcase = tcase_create("steps");
     tcase_add_loop_test(tcase, steps_allocate_nothing, 0, way_count);
+    tcase_add_loop_test(tcase, constrained_steps_allocate_nothing, 0, 2);
     return tcase;
 }
 
