@@ -147,9 +147,11 @@ typedef void tvi_constraint_fn(const jet q[], jet t, jet value[], void *ctx);
  * a unit of its own, and is best written in differences of coordinates. A parameter has the same value in phi as in the
  * system. A run begins at a state that is on the constraints to half of its digits, and puts it onto them to roundoff;
  * another state is refused with TVI_EINVAL, and tvi_project moves it. It shares nothing with the system. Tangent maps,
- * rescaled steps and compiled code do not serve it yet.   TVI_EINVAL        m < 1 or m >= n, a phi_k that is a number
- * or a function of t alone, an output left unset, NULL   TVI_EUNSUPPORTED  a rescaled system, one that is constrained
- * already   others            as of tvi_system_hamiltonian *out is NULL on failure. */
+ * rescaled steps and compiled code do not serve it yet.
+ *   TVI_EINVAL        m < 1 or m >= n, a phi_k that is a number or a function of t alone, an output left unset, NULL
+ *   TVI_EUNSUPPORTED  a rescaled system, one that is constrained already
+ *   others            as of tvi_system_hamiltonian
+ * *out is NULL on failure. */
 TVI_NODISCARD tvi_status tvi_system_constrained(tvi_system **out, const tvi_system *system, int m,
                                                 tvi_constraint_fn *constraint, void *ctx);
 
