@@ -12,7 +12,7 @@ do-python: all
 # what is refused, and what is not, with a library that has the address sanitizer, which sees Python's own memory, too
 PYTHON_SANITIZED = $(PYTHON_HERE) LD_PRELOAD="$$($(CC) -print-file-name=libasan.so)" PYTHONMALLOC=malloc \
                    ASAN_OPTIONS=detect_leaks=0 $(PYTHON) -W ignore -m unittest \
-                   test_refusals test_jets test_gravity test_results.Many test_results.Solve.test_ways test_results.Solve.test_events
+                   test_refusals test_jets test_gravity test_rigid test_results.Many test_results.Solve.test_ways test_results.Solve.test_events
 
 # tests/python/mistakes.md anew; BEFORE=DIR takes the texts of 0.2.0 from a built checkout of it
 mistakes: need-check all

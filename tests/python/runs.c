@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <tvi.h>
 #include <tvi_bodies.h>
+#include <tvi_rigid.h>
 
 enum { MEMBERS = 37 };
 
@@ -163,6 +164,47 @@ static void run_bodies(void)
     tvi_system_free(system);
 }
 
+static jet spring(const jet q[], jet t, void *ctx)
+{
+    const double end[] = {0.5, 0, 0};
+    jet x[3];
+    (void)t;
+    tvi_rigid_point(ctx, q, 1, end, x);
+    return jet_mul(5, jet_dot(x, x, 3));
+}
+
+/* A top on its point, a rod on a hinge of it, and a spring; then what the functions of states say. */
+static void run_rigid(void)
+{
+    const tvi_rigid_body body[] = {tvi_rigid_cylinder(2, 0.5, 0.75), tvi_rigid_rod(0.5, 1)};
+    const tvi_joint joint[] = {{.kind = TVI_BALL, .other = TVI_WORLD, .point = {0, 0, -0.5}},
+                               {.kind = TVI_BALL, .body = 1, .point = {-0.5, 0, 0}, .other_point = {0.25, 0, 0}},
+                               {.kind = TVI_CROSS, .body = 1, .axis = {1, 0, 0}, .other_axis = {0, 0, 1}}};
+    const tvi_rigid r = {.bodies = 2, .axes = 3, .body = body, .joints = 3, .joint = joint, .gravity = {0, 0, -9.8}};
+    tvi_rigid_motion motion = {.point = {0, 0, -0.5}, .omega = {0.5, 0.25, 20}}, end = {.point = {-0.5, 0, 0}};
+    const double axis[] = {1, 2, 0};
+    double t = 0, q[18], p[18], L[3];
+    tvi_system *system;
+    tvi_integrator *it;
+    tvi_rigid_turn(axis, 0.5, motion.quaternion);
+    tvi_rigid_turn(axis, 0.5, end.quaternion);
+    check(tvi_rigid_system(&system, &r, spring, (void *)&r));
+    check(tvi_rigid_state(&r, 0, &motion, q, p));
+    tvi_rigid_place(&r, q, 0, joint[1].other_point, end.place);
+    check(tvi_rigid_state(&r, 1, &end, q, p));
+    check(tvi_project(system, t, q, p));
+    check(tvi_integrator_create(&it, system, NULL));
+    check(tvi_integrate(it, 0.01, 200, &t, q, p, NULL, NULL));
+    check(tvi_rigid_of(&r, 0, q, p, &motion));
+    tvi_rigid_angular_momentum(&r, q, p, L);
+    printf("rigid");
+    print(q, 18), print(p, 18), print(L, 3), print(motion.place, 3), print(motion.velocity, 3);
+    print(motion.quaternion, 4), print(motion.omega, 3);
+    printf("\n");
+    tvi_integrator_free(it);
+    tvi_system_free(system);
+}
+
 int main(void)
 {
     tvi_system *system, *other;
@@ -221,6 +263,7 @@ int main(void)
     tvi_system_free(other);
     run_lagrangian();
     run_bodies();
+    run_rigid();
     tvi_event_free(event);
     tvi_system_free(system);
 }

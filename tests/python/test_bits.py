@@ -9,7 +9,7 @@ import numpy as np
 
 import tvi
 from problems import CC, LIBRARY, ROOT, kepler
-from tvi import _runs, gravity
+from tvi import _runs, gravity, rigid
 from tvi._library import NAME
 
 TIMES = [0, 0.3, 10, 10.01, 10.02, 499.9]
@@ -90,6 +90,7 @@ def runs():
     orbits.integrate(0.25, 2000)
     lines["ensemble"] = [*orbits.q.T.ravel(), *orbits.p.T.ravel()]
     lines["bodies"] = run_bodies()
+    lines["rigid"] = run_rigid()
     return lines
 
 
@@ -105,6 +106,26 @@ def run_bodies():
     centre = np.concatenate(bodies.centre(it.q, it.p))
     found = gravity.Orbit.of(6, it.q[6:9], v[6:9])
     return [it.t, *it.q, *it.p, *bodies.angular_momentum(it.q, it.p), *v, *centre, *found]
+
+
+def run_rigid():
+    """What run_rigid() of runs.c prints."""
+    joints = [rigid.Joint("ball", 0, point=[0, 0, -0.5]), rigid.Joint("ball", 1, 0, [-0.5, 0, 0], [0.25, 0, 0]),
+              rigid.Joint("cross", 1, 0, axis=[1, 0, 0], other_axis=[0, 0, 1])]
+    bodies = rigid.Bodies([rigid.cylinder(2, 0.5, 0.75), rigid.rod(0.5, 1)], joints, gravity=[0, 0, -9.8])
+
+    def spring(q):
+        x = bodies.point(q, [0.5, 0, 0], 1)
+        return 5 * (x @ x)
+
+    system, turned = bodies.system(spring), rigid.turn([1, 2, 0], 0.5)
+    top = rigid.Motion(quaternion=turned, omega=[0.5, 0.25, 20], point=[0, 0, -0.5])
+    q, _ = bodies.state(top, rigid.Motion())
+    end = rigid.Motion(bodies.point(q, [0.25, 0, 0]), quaternion=turned, point=[-0.5, 0, 0])
+    it = tvi.Integrator(system, *system.project(*bodies.state(top, end)))
+    it.integrate(0.01, 200)
+    motion = bodies.motion(it.q, it.p, point=top.point)
+    return np.concatenate([it.q, it.p, bodies.angular_momentum(it.q, it.p), *motion[:4]])
 
 
 class Bits(unittest.TestCase):

@@ -1,5 +1,5 @@
-"""The programs of docs/python.md, bodies.md, chaos.md and constraints.md run one after the other and print what stands
-below them; the examples of docstrings do, too, and every public name has one."""
+"""The programs of docs/python.md, bodies.md, chaos.md, constraints.md and rigid.md run one after the other and print
+what stands below them; the examples of docstrings do, too, and every public name has one."""
 
 import contextlib
 import doctest
@@ -41,7 +41,7 @@ class Page(unittest.TestCase):
 
     def test_programs(self):
         self.assertGreater(self.run_programs(PAGE, 8)["kepler.png"], 10000)
-        for page in ("bodies", "chaos", "constraints"):
+        for page in ("bodies", "chaos", "constraints", "rigid"):
             self.run_programs((ROOT / f"docs/{page}.md").read_text(), 1)
 
     def test_readme(self):
@@ -97,7 +97,7 @@ class Page(unittest.TestCase):
                 self.assertIn(">>>", thing.__doc__, name)
                 self.assertEqual(thing.__annotations__.keys() >= {"return"}, True, name)
         for kind in (tvi.Integrator, tvi.Ensemble, tvi.System, tvi.Method, tvi.Result, tvi.gravity.Bodies,
-                     tvi.gravity.Orbit):
+                     tvi.gravity.Orbit, tvi.rigid.Bodies):
             for name, member in vars(kind).items():
                 if not name.startswith("_") and inspect.isfunction(member):
                     self.assertTrue(member.__doc__, f"{kind.__name__}.{name}")

@@ -1,11 +1,11 @@
 """Taylor variational integrators: symplectic integrators of any order from the Taylor series of your own equations.
 
 State a problem with `potential`, `force`, `lagrangian` or `hamiltonian`, perhaps `constrained`; `solve` makes a run of
-it. `Integrator` goes step by step, `ensemble` many orbits at once; `gravity` has bodies and orbital elements.
-docs/python.md is the way in, include/tvi.h the reference of the library.
+it. `Integrator` goes step by step, `ensemble` many orbits at once; `gravity` has bodies and orbital elements, `rigid`
+rigid bodies and joints. docs/python.md is the way in, include/tvi.h the reference of the library.
 """
 
-from . import gravity
+from . import gravity, rigid
 from ._alike import Stats
 from ._ensemble import Ensemble
 from ._events import Event, Found, event

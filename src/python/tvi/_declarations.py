@@ -69,6 +69,24 @@ typedef struct {
     double a, q, e, i, node, pericentre, time, f, M, mean_longitude, longitude_of_pericentre;
 } tvi_orbit;
 
+typedef struct { double mass, inertia[3]; } tvi_rigid_body;
+
+typedef struct {
+    int kind;
+    int body, other;
+    double point[3], other_point[3], axis[3], other_axis[3], length;
+} tvi_joint;
+
+typedef struct {
+    int bodies, axes;
+    const tvi_rigid_body *body;
+    int joints;
+    const tvi_joint *joint;
+    double gravity[3];
+} tvi_rigid;
+
+typedef struct { double place[3], velocity[3], quaternion[4], omega[3], point[3]; } tvi_rigid_motion;
+
 typedef void tvi_force_fn(const jet q[], jet t, jet force[], void *ctx);
 typedef jet tvi_potential_fn(const jet q[], jet t, void *ctx);
 typedef jet tvi_lagrangian_fn(const jet q[], const jet v[], jet t, void *ctx);
@@ -191,4 +209,28 @@ tvi_status tvi_orbit_state(const tvi_orbit *orbit, double mu, double x[3], doubl
 tvi_status tvi_orbit_of(double mu, const double x[3], const double v[3], tvi_orbit *orbit);
 """
 
-FUNCTIONS = JETS + SYSTEMS + METHODS + INTEGRATORS + ENSEMBLES + BODIES
+RIGID = """
+tvi_rigid_body tvi_rigid_sphere(double mass, double radius);
+tvi_rigid_body tvi_rigid_box(double mass, double a, double b, double c);
+tvi_rigid_body tvi_rigid_cylinder(double mass, double radius, double height);
+tvi_rigid_body tvi_rigid_disc(double mass, double radius);
+tvi_rigid_body tvi_rigid_rod(double mass, double length);
+tvi_status tvi_rigid_check(const tvi_rigid *r);
+int tvi_rigid_dimension(const tvi_rigid *r);
+int tvi_rigid_constraints(const tvi_rigid *r);
+int tvi_rigid_first(const tvi_rigid *r, int body);
+int tvi_rigid_joint(const tvi_rigid *r, int joint);
+void tvi_rigid_masses(const tvi_rigid *r, double mass[]);
+jet tvi_rigid_potential(const jet q[], jet t, void *ctx);
+void tvi_rigid_constraint(const jet q[], jet t, jet value[], void *ctx);
+void tvi_rigid_point(const tvi_rigid *r, const jet q[], int body, const double X[], jet x[]);
+void tvi_rigid_place(const tvi_rigid *r, const double q[], int body, const double X[], double x[]);
+void tvi_rigid_force(const tvi_rigid *r, const jet q[], int body, const double X[], const jet F[], jet force[]);
+void tvi_rigid_torque(const tvi_rigid *r, const jet q[], int body, const jet torque[3], jet force[]);
+tvi_status tvi_rigid_state(const tvi_rigid *r, int body, const tvi_rigid_motion *motion, double q[], double p[]);
+tvi_status tvi_rigid_of(const tvi_rigid *r, int body, const double q[], const double p[], tvi_rigid_motion *motion);
+void tvi_rigid_turn(const double axis[3], double angle, double quaternion[4]);
+void tvi_rigid_angular_momentum(const tvi_rigid *r, const double q[], const double p[], double L[3]);
+"""
+
+FUNCTIONS = JETS + SYSTEMS + METHODS + INTEGRATORS + ENSEMBLES + BODIES + RIGID

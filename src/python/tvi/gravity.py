@@ -154,7 +154,7 @@ class Bodies:
         >>> gravity.Bodies([3, 1], axes=2).momenta([0, 1, 0, 1])
         array([0., 3., 0., 1.])
         """
-        v, p = self._states(v=v), Doubles(*np.shape(v))
+        v, p = _states(self.n, v=v), Doubles(*np.shape(v))
         _each(lib.tvi_bodies_momenta, self._bodies, _rows(v), _rows(p.array))
         return p.array.copy()
 
@@ -165,7 +165,7 @@ class Bodies:
         >>> gravity.Bodies([4, 1], axes=2).velocities([0, 1, 0, 1])
         array([0.  , 0.25, 0.  , 1.  ])
         """
-        p, v = self._states(p=p), Doubles(*np.shape(p))
+        p, v = _states(self.n, p=p), Doubles(*np.shape(p))
         _each(lib.tvi_bodies_velocities, self._bodies, _rows(p), _rows(v.array))
         return v.array.copy()
 
@@ -176,7 +176,7 @@ class Bodies:
         >>> gravity.Bodies([3, 1], axes=1).centre([0, 4], [0, 2])
         (array([1.]), array([0.5]))
         """
-        q, p = self._states(q=q, p=p)
+        q, p = _states(self.n, q=q, p=p)
         x, v = (Doubles(*q.shape[:-1], self.axes) for _ in "xv")
         _each(lib.tvi_bodies_centre, self._bodies, _rows(q), _rows(p), _rows(x.array), _rows(v.array))
         return x.array.copy(), v.array.copy()
@@ -188,7 +188,7 @@ class Bodies:
         >>> gravity.Bodies([3, 1], axes=1).to_centre([0, 4], [0, 2])
         (array([-1.,  3.]), array([-1.5,  1.5]))
         """
-        q, p = self._states(q=q, p=p)
+        q, p = _states(self.n, q=q, p=p)
         _each(lib.tvi_bodies_to_centre, self._bodies, _rows(q), _rows(p))
         return q, p
 
@@ -199,17 +199,10 @@ class Bodies:
         >>> gravity.Bodies([3, 1], axes=2).angular_momentum([0, 0, 4, 0], [0, 0, 0, 2])
         array([0., 0., 8.])
         """
-        q, p = self._states(q=q, p=p)
+        q, p = _states(self.n, q=q, p=p)
         L = Doubles(*q.shape[:-1], 3)
         _each(lib.tvi_bodies_angular_momentum, self._bodies, _rows(q), _rows(p), _rows(L.array))
         return L.array.copy()
-
-    def _states(self, **given: Any) -> Any:
-        """Copies of one or two arrays of the same shape [..., n]."""
-        arrays = [_vectors(name, value, self.n) for name, value in given.items()]
-        if len({array.shape for array in arrays}) > 1:
-            raise ValueError(" and ".join(given) + f" have the shapes {arrays[0].shape} and {arrays[1].shape}")
-        return arrays if len(arrays) > 1 else arrays[0]
 
 
 def _again(mass: np.ndarray, axes: int, others: dict) -> Bodies:
@@ -340,6 +333,14 @@ def _vectors(name: str, value: Any, n: int) -> np.ndarray:
     return array
 
 
+def _states(n: int, **given: Any) -> Any:
+    """Copies of one or two arrays of the same shape [..., n]."""
+    arrays = [_vectors(name, value, n) for name, value in given.items()]
+    if len({array.shape for array in arrays}) > 1:
+        raise ValueError(" and ".join(given) + f" have the shapes {arrays[0].shape} and {arrays[1].shape}")
+    return arrays if len(arrays) > 1 else arrays[0]
+
+
 def _rows(array: np.ndarray) -> tuple[Any, int, int]:
     """Where the vectors of a C-contiguous array stand, how many, and how long one is."""
     return ffi.from_buffer("double[]", array), array.size // max(array.shape[-1], 1), array.shape[-1]
@@ -353,6 +354,16 @@ def _each(function: Callable, bodies: Any, *arrays: tuple[Any, int, int]) -> Non
 
 def _of_jets(function: Callable, **given: tuple[Any, int]) -> Any:
     """The value of a function of vectors of jets or numbers: a jet, or a number where all of them are."""
+    recording, has_jets, pointers = _operands(given)
+    value = function(*pointers)
+    if value.node and not has_jets:
+        raise Error("there is no value where bodies meet", "EDOMAIN")
+    return Jet(value, recording) if value.node else float(value.number)
+
+
+def _operands(given: dict[str, tuple[Any, int]]) -> tuple[Recording, bool, list]:
+    """Vectors of jets or numbers of these lengths as the library takes them, their recording, and whether there are
+    jets."""
     vectors = {name: np.asarray(value, dtype=object) for name, (value, _) in given.items()}
     jets = [x for vector in vectors.values() for x in vector.flat if isinstance(x, Jet)]
     recording = jets[0]._recording if jets else Recording()
@@ -364,7 +375,4 @@ def _of_jets(function: Callable, **given: tuple[Any, int]) -> Any:
         if None in operands:
             raise TypeError(f"{name} has jets or real numbers, not {type(vector[operands.index(None)]).__name__}")
         pointers.append(ffi.new("jet[]", operands))
-    value = function(*pointers)
-    if value.node and not jets:
-        raise Error("there is no value where bodies meet", "EDOMAIN")
-    return Jet(value, recording) if value.node else float(value.number)
+    return recording, bool(jets), pointers
