@@ -54,6 +54,13 @@ static void allocate_constraint_nodes(constraint_nodes *at, tvi_arena *arena, co
         at->S.size += k - first + 1;
     }
     const size_t factor = (size_t)at->S.size, entries = (size_t)c->entry_count;
+    at->impulse_row = tvi_arena_allocate(arena, entries * sizeof *at->impulse_row);
+    at->impulse_column = tvi_arena_allocate(arena, entries * sizeof *at->impulse_column);
+    for (int k = 0, e = 0; k < at->count && at->impulse_row && at->impulse_column; k++)
+        for (; e < c->row_end[k]; e++) {
+            at->impulse_row[e] = constraint_turn(at, k, at->count);
+            at->impulse_column[e] = constraint_turn(at, c->column[e], at->n);
+        }
     at->pass.values = tvi_arena_allocate_block(arena, c->values, 1, lane_count, 0);
     at->pass.curvature = tvi_arena_allocate_block(arena, c->curvature, 1, lane_count, 0);
     tvi_arena_allocate_each(arena, factor * lanes, (double **[]){&at->S.targets, &at->S.sources, NULL});
@@ -171,6 +178,27 @@ static tvi_status make_pass(constrained_work *work, double *movement, bool is_fa
     return isfinite(*movement) ? TVI_OK : TVI_ENONFINITE;
 }
 
+/* Sets the sizes of the unknowns. Forces and impulses of constraint may cancel each other, as across a line along which
+ * a bead moves: the roundoff of their sums counts in the sizes of what they move. */
+static void set_sizes(const constrained_work *work)
+{
+    const constraint_nodes *at = &work->nodes;
+    const galerkin_nodes *nodes = &work->galerkin->step.nodes;
+    const int n = at->n, lanes = nodes->lane_count;
+    double *impulse = work->sum;
+    nodes_set_sizes(nodes);
+    for (int i = 0; i < n; i++) {
+        impulse[i] = 0;
+        for (int j = 0; j < work->tables.node_count; j++) impulse[i] += fabs(at->K[i * lanes + j]);
+        if (nodes->unknown_count > n) nodes->inverse_size[n + i] = 1 / (1 / nodes->inverse_size[n + i] + impulse[i]);
+    }
+    for (int i = 0; i < n; i++) {
+        double moved = at->has_masses ? fabs(at->hW[i]) * impulse[i] : 0;
+        for (int j = 0; j < (at->has_masses ? 0 : n); j++) moved += fabs(at->hW[i * n + j]) * impulse[j];
+        nodes->inverse_size[i] = 1 / (1 / nodes->inverse_size[i] + moved);
+    }
+}
+
 /* Tells whether passes that may end by the rule may do so although constraints, whose errors the first passes show,
  * contract faster than forces. */
 static bool may_end(const tvi_convergence_test *test, const tvi_stopping_rule *rule)
@@ -201,7 +229,7 @@ static tvi_status make_passes(constrained_work *work, galerkin_convergence *conv
         if (verdict == TVI_PASSES_MAY_END && may_end(&test, rule)) return TVI_OK;
         if (verdict == TVI_PASSES_STUCK && *movement <= roundoff && ++stuck == CONSTRAINT_ROUNDOFF_PASSES)
             return TVI_OK;
-        if (*movement > 1) nodes_set_sizes(&step->nodes);
+        if (*movement > 1) set_sizes(work);
     }
     return TVI_ENOCONV;
 }
@@ -232,7 +260,7 @@ static tvi_status make_step(constrained_work *work, double h, bool may_extrapola
     for (int lane = 0; lane < lanes; lane++) times[lane] = origin->t + (origin->t_low + h * work->tables.d[lane]);
     constrained_set_times(at->constraints->values, at->pass.values, at->n, lanes, times);
     constrained_set_times(at->constraints->curvature, at->pass.curvature, 2 * at->n + at->count, lanes, times);
-    nodes_set_sizes(&galerkin->step.nodes);
+    set_sizes(work);
     const int next = ((int)history->ring_index + 1) % GALERKIN_RING_LENGTH;
     status = make_passes(work, &convergence, &movement, &counts);
     if (status == TVI_OK) status = tvi_constrained_set_increments(work, origin, increments, &work->ring[next], &tail);
@@ -285,5 +313,6 @@ const tvi_stepper tvi_stepper_constrained = {.allocate = allocate_work,
                                              .interpolate = tvi_constrained_interpolate,
                                              .sample = tvi_constrained_sample,
                                              .is_superconvergent = true,
+                                             .serves_constrained_lifts = true,
                                              .is_history_valid = is_history_valid,
                                              .list_tapes = list_tapes};

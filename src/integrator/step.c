@@ -86,7 +86,9 @@ tvi_status tvi_integrator_begin_step(tvi_integrator *it, double t, const double 
     if (*it->is_state_from_step && tvi_integrator_state_equals(it, t, q, p)) return TVI_OK;
     if (!isfinite(t) || !tvi_all_finite((int)n, q) || !tvi_all_finite((int)n, p))
         return tvi_refuse_nonfinite_state((int)n, t, q, "p", p);
-    const tvi_constraint_work *onto = it->system->constraints ? &it->constraint_work : NULL;
+    /* The state of a lift is on its constraints (tangent.c). */
+    const bool is_put = it->system->constraints && !it->system->constraints->is_lift;
+    const tvi_constraint_work *onto = is_put ? &it->constraint_work : NULL;
     const tvi_status status = onto ? put_onto_constraints(it, t, q, p) : TVI_OK;
     if (status != TVI_OK) return status;
     tvi_arena_copy_history(it->history.now, NULL, it->history.bytes);

@@ -120,8 +120,10 @@ static tvi_status reserve_tangent_columns(tvi_integrator *it, int column_count)
 /* Allocates the memory for tangent vectors when an integrator first uses them, or when it needs more columns. */
 tvi_status tvi_integrator_allocate_tangents(tvi_integrator *it, int column_count)
 {
-    if (it->system->constraints)
-        return jet_refuse(TVI_EUNSUPPORTED, "the tangent map of a constrained system is not served");
+    if (it->system->constraints && !(it->stepped->form == TVI_SEPARABLE && it->stepper->serves_constrained_lifts))
+        return jet_refuse(TVI_EUNSUPPORTED,
+                          "the tangent map of a constrained system is for galerkin, and a potential or "
+                          "force with constant masses");
     if (!it->tangent) {
         tvi_tangent *tangent;
         const tvi_status status = create_tangent(&tangent, it);
@@ -182,6 +184,26 @@ static void set_state_and_scaled_tangent(const tvi_integrator *it, const differe
     }
 }
 
+/* Moves the tangent vector of the lifted state onto the constraints: dq along W G^T to phi_q dq = 0, and dp along G^T
+ * until this holds for the rates, too. */
+static tvi_status put_tangent_onto_constraints(const tvi_integrator *it, double t)
+{
+    const tvi_tangent *tangent = it->tangent;
+    const int n = tangent->n, m = it->system->constraints->count;
+    tvi_constraint_work of_state = it->constraint_work, *lifted = &tangent->lifted_integrator->constraint_work;
+    double *q = tangent->lifted_q, *p = tangent->lifted_p, *value = lifted->residual, *rate = lifted->scale;
+    tvi_status status = tvi_constraint_factor(&of_state, t, q, p);
+    for (int half = 0; half < 2 && status == TVI_OK; half++) {
+        status = tvi_constraint_evaluate(lifted, t, q, p, value, rate);
+        if (status != TVI_OK) break;
+        double *off = (half ? rate : value) + m, *onto = of_state.correction;
+        tvi_constraint_solve(&of_state, off);
+        tvi_constraint_force(&of_state, off, onto);
+        for (int i = 0; i < n; i++) *(half ? &p[n + i] : &q[n + i]) += half ? onto[i] : onto[i] / it->stepped->mass[i];
+    }
+    return status;
+}
+
 /* Computes column <- M column, where M is the Jacobian matrix of the step in its own variable, the time or the s of a
  * rescaled system. In a rescaled system a call of project_column_to_fixed_time must follow. */
 static tvi_status multiply_column_at_fixed_s(const tvi_integrator *it, const differentiated_step *step)
@@ -195,6 +217,7 @@ static tvi_status multiply_column_at_fixed_s(const tvi_integrator *it, const dif
     set_state_and_scaled_tangent(it, step, exponent);
     tvi_integrator_reset(tangent->lifted_integrator);
     tvi_status status = set_lifted_parameters(it, step, exponent);
+    if (status == TVI_OK && it->system->constraints) status = put_tangent_onto_constraints(it, t);
     if (status == TVI_OK)
         status = tvi_step(tangent->lifted_integrator, step->h, &t, tangent->lifted_q, tangent->lifted_p);
     for (int i = 0; i < n && status == TVI_OK; i++) {

@@ -176,6 +176,20 @@ static tvi_status check_parameters(const jet_graph *graph, const tvi_system *sys
     return status;
 }
 
+/* Records derivatives and creates the tapes of phi, if `status`, that of its recording, is TVI_OK. */
+static tvi_status finish_recording(tvi_constraints **out, constraint_recording *recording, tvi_status status)
+{
+    if (status == TVI_OK) status = record_derivatives(recording);
+    if (status == TVI_OK) status = create_tapes(recording);
+    free(recording->q);
+    free(recording->values);
+    free(recording->curvature);
+    free(recording->gradient);
+    if (status == TVI_OK) *out = recording->constraints;
+    else tvi_constraints_free(recording->constraints);
+    return status;
+}
+
 static tvi_status record_constraints(tvi_constraints **out, const tvi_system *system, int m,
                                      tvi_constraint_fn *constraint, void *ctx)
 {
@@ -188,15 +202,40 @@ static tvi_status record_constraints(tvi_constraints **out, const tvi_system *sy
         if (status == TVI_OK) status = tvi_refuse_outputs_beyond_end("value", m, constraints->phi);
         if (status == TVI_OK) status = check_parameters(constraints->graph, system);
     }
-    if (status == TVI_OK) status = record_derivatives(&recording);
-    if (status == TVI_OK) status = create_tapes(&recording);
-    free(recording.q);
-    free(recording.values);
-    free(recording.curvature);
-    free(recording.gradient);
-    if (status == TVI_OK) *out = recording.constraints;
-    else tvi_constraints_free(recording.constraints);
-    return status;
+    return finish_recording(out, &recording, status);
+}
+
+/* Records phi and its derivative along dq, of the system that is lifted. Its parameters move along those of the lift
+ * that stand behind them. */
+static tvi_status record_lifted_phi(constraint_recording *recording, const tvi_system *base)
+{
+    const tvi_constraints *of_base = base->constraints;
+    const int n = base->n, m = of_base->count, inputs = jet_graph_input_count(of_base->graph),
+              parameters = tvi_system_parameters(base);
+    jet *phi = recording->constraints->phi;
+    jet *input = calloc(2 * (size_t)inputs + (size_t)parameters, sizeof *input);
+    if (!input) return TVI_ENOMEM;
+    jet *direction = input + inputs, *parameter_direction = direction + inputs;
+    for (int i = 0; i < n; i++) {
+        input[i] = recording->q[i];
+        direction[i] = recording->q[n + i];
+    }
+    input[inputs - 1] = recording->t;
+    for (int i = 0; i < parameters; i++)
+        parameter_direction[i] = jet_graph_record_parameter(recording->constraints->graph, parameters + i, 0);
+    const bool recorded = jet_record_forward_derivatives(of_base->graph, recording->constraints->graph, input,
+                                                         direction, parameter_direction, m, of_base->phi, phi, phi + m);
+    free(input);
+    return recorded ? jet_graph_check_outputs(recording->constraints->graph, 2 * m, phi) : TVI_ENOMEM;
+}
+
+tvi_status tvi_constraints_create_lift(tvi_constraints **out, const tvi_system *base)
+{
+    constraint_recording recording = {0};
+    tvi_status status = begin_recording(&recording, 2 * base->n, 2 * base->constraints->count);
+    if (status == TVI_OK) status = record_lifted_phi(&recording, base);
+    if (status == TVI_OK) recording.constraints->is_lift = true;
+    return finish_recording(out, &recording, status);
 }
 
 /* ---- Constrained systems ----------------------------------------------------------------------------------------- */

@@ -8,7 +8,10 @@
 
 /* The constraints of a system. */
 typedef struct tvi_constraints {
-    int count;        /* m */
+    int count; /* m */
+    /* The constraints are those of a lift (tvi_system_create_lift): phi(q, t) = 0 and phi_q dq = 0, which have impulses
+     * -G^T lambda on p, and -(G^T dlambda + (phi_q dq)_q^T lambda) on dp. */
+    bool is_lift;
     jet_graph *graph; /* The recording, with the inputs q [n], d [n], mu [m] and t in this order; finished. */
     jet *phi;         /* [m] */
     /* The entries of G that are not 0 everywhere, row by row: those of row k are row_end[k - 1] .. row_end[k] - 1. */
@@ -22,6 +25,10 @@ typedef struct tvi_constraints {
 } tvi_constraints;
 
 void tvi_constraints_free(tvi_constraints *constraints);
+
+/* Creates the constraints of a separable lift, whose coordinates are (q, dq), from those of the system that is lifted.
+ */
+TVI_NODISCARD tvi_status tvi_constraints_create_lift(tvi_constraints **out, const tvi_system *base);
 
 /* Tells whether the system has constraints that depend on the time, and so do work. */
 static inline bool tvi_constraints_use_time(const tvi_system *system)

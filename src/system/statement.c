@@ -1,6 +1,7 @@
 /* statement.c - Creates systems, also lifts, whose tangents move with the motion: calls the user's function on jets,
  * which record its operations, brings the recording into a form of tvi_form, and creates the tapes for the steppers. */
 #include "system/system.h"
+#include "system/constraint.h"
 #include "system/legendre.h"
 #include "system/refuse.h"
 
@@ -301,7 +302,7 @@ static tvi_status record_field_of_tangent_lift(system_recording *recording, cons
     const tvi_system *base = statement->base;
     tvi_system *system = recording->system;
     jet_graph *graph = system->record.graph;
-    const int parameters = jet_graph_parameter_count(base->record.graph);
+    const int parameters = tvi_system_parameters(base);
     system->is_regular = base->is_regular;
     system->has_masses = !statement->makes_lift_momenta_conjugate;
     if (!system->has_masses) system->form = base->form == TVI_SEPARABLE ? TVI_HAMILTONIAN : base->form;
@@ -412,8 +413,15 @@ static tvi_status create_system_from_statement(tvi_system **out, int n, const sy
 tvi_status tvi_system_create_lift(tvi_system **out, const tvi_system *system, tvi_lift lift)
 {
     const bool is_paired = system->form != TVI_SEPARABLE || lift == TVI_LIFT_PAIRED;
-    return record_system_and_tapes(out, 2 * system->n,
-                                   &(system_statement){.base = system, .makes_lift_momenta_conjugate = is_paired});
+    tvi_status status = record_system_and_tapes(
+        out, 2 * system->n, &(system_statement){.base = system, .makes_lift_momenta_conjugate = is_paired});
+    if (status != TVI_OK || !system->constraints) return status;
+    status = tvi_constraints_create_lift(&(*out)->constraints, system);
+    (*out)->subsystems.count = (*out)->tail.subsystems.count = 1;
+    if (status == TVI_OK) return TVI_OK;
+    tvi_system_free(*out);
+    *out = NULL;
+    return jet_explain_out_of_memory(status);
 }
 
 tvi_status tvi_system_create_from_rates(tvi_system **out, int n, tvi_rates_fn *rates, void *ctx)

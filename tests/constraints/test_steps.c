@@ -202,6 +202,112 @@ START_TEST(rattle)
 }
 END_TEST
 
+/* ---- Tangent maps ------------------------------------------------------------------------------------------------ */
+
+static double form_of_columns(int n, const double D[])
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++) sum += D[2 * i] * D[2 * (n + i) + 1] - D[2 * (n + i)] * D[2 * i + 1];
+    return sum;
+}
+
+/* The end of 10 steps from a state that is `delta` along column 0 of D from x. */
+static state end_of_neighbour(const problem *of, const tvi_system *system, const state *x, const double D[],
+                              double delta)
+{
+    state near = *x;
+    tvi_integrator *integrator = integrator_of(system, 8);
+    for (int i = 0; i < of->n; i++) {
+        near.q[i] += delta * D[2 * i];
+        near.p[i] += delta * D[2 * (of->n + i)];
+    }
+    ck_assert_int_eq(tvi_project(system, near.t, near.q, near.p), TVI_OK);
+    ck_assert_int_eq(tvi_integrate(integrator, 0.03, 10, &near.t, near.q, near.p, NULL, NULL), TVI_OK);
+    tvi_integrator_free(integrator);
+    return near;
+}
+
+/* Columns are put onto the tangent space of the constraints by the first step, and from then on the map is the
+ * derivative of the steps: it keeps the symplectic form to roundoff, and is what differences tell. */
+START_TEST(tangent_maps)
+{
+    static const double DELTA = 1e-5;
+    const problem *of = &problems[_i];
+    tvi_system *system = system_of(of);
+    state x = start_of(of, system);
+    tvi_integrator *integrator = integrator_of(system, 8);
+    double D[4 * MOST_N], start[4 * MOST_N];
+    for (int i = 0; i < 4 * of->n; i++) D[i] = cos(1 + 3 * i);
+    const tvi_status status = tvi_step_tangent(integrator, 0.03, &x.t, x.q, x.p, D, 2);
+    if (status == TVI_OK) {
+        const double form = form_of_columns(of->n, D);
+        const state end[] = {end_of_neighbour(of, system, &x, D, -DELTA), end_of_neighbour(of, system, &x, D, DELTA)};
+        memcpy(start, D, sizeof D);
+        for (int step = 0; step < 10; step++)
+            ck_assert_int_eq(tvi_step_tangent(integrator, 0.03, &x.t, x.q, x.p, D, 2), TVI_OK);
+        ck_assert_double_le(fabs(form_of_columns(of->n, D) - form), 1e-13);
+        ck_assert_double_gt(fabs(D[0] - start[0]), 1e-3);
+        for (int i = 0; i < of->n; i++) {
+            ck_assert_double_eq_tol(D[2 * i], (end[1].q[i] - end[0].q[i]) / (2 * DELTA), 1e-7);
+            ck_assert_double_eq_tol(D[2 * (of->n + i)], (end[1].p[i] - end[0].p[i]) / (2 * DELTA), 1e-7);
+        }
+    } else {
+        ck_assert_int_eq(status, TVI_EUNSUPPORTED);
+        ck_assert_ptr_nonnull(strstr(tvi_last_error(), "constant masses"));
+    }
+    /* Those that RATTLE serves are separable. */
+    tvi_options options;
+    ck_assert_int_eq(tvi_options_named("stormer-verlet", 2, &options), TVI_OK);
+    ck_assert_int_eq(status, tvi_options_check(system, &options, NULL));
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* ---- Forces that press on a constraint --------------------------------------------------------------------------- */
+
+static jet nothing(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_mul(0, q[0]);
+}
+
+static void push(const jet q[], const jet v[], jet t, jet force[], void *ctx)
+{
+    (void)q, (void)v, (void)t;
+    force[0] = jet_const(*(const double *)ctx);
+    force[1] = jet_const(0.1);
+}
+
+static void on_axis(const jet q[], jet t, jet value[], void *ctx)
+{
+    (void)t, (void)ctx;
+    value[0] = q[0];
+}
+
+/* A bead on a line: however a force presses across it, the motion along it is the same. Both forms of equations. */
+START_TEST(pressed_beads)
+{
+    static const double presses[] = {1e-6, 1, 3.3, 1e6};
+    double press = presses[_i];
+    tvi_system *base, *driven, *system;
+    ck_assert_int_eq(tvi_system_potential(&base, 2, NULL, nothing, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_system_driven(&driven, base, push, &press), TVI_OK);
+    ck_assert_int_eq(tvi_system_constrained(&system, driven, 1, on_axis, NULL), TVI_OK);
+    for (double h = 0.05; h > 1e-3; h /= 5) {
+        double t = 0, q[] = {0, 0}, p[] = {0, 1};
+        tvi_integrator *integrator = integrator_of(system, 16);
+        ck_assert_int_eq(tvi_integrate_to(integrator, h, 2, &t, q, p, NULL, NULL), TVI_OK);
+        ck_assert_double_eq_tol(q[1], 2.2, 1e-14);
+        ck_assert_double_le(fabs(q[0]), 1e-16 * (1 + press));
+        tvi_integrator_free(integrator);
+    }
+    tvi_system_free(system);
+    tvi_system_free(driven);
+    tvi_system_free(base);
+}
+END_TEST
+
 /* ---- A molecule that is free ------------------------------------------------------------------------------------- */
 
 static jet spring(const jet q[], jet t, void *ctx)
@@ -325,6 +431,8 @@ Suite *suite_steps(void)
     tcase_add_loop_test(tcase, steps_are_symplectic, 0, problem_count);
     tcase_add_loop_test(tcase, rattle, 0, problem_count);
     tcase_add_test(tcase, momenta_are_kept);
+    tcase_add_loop_test(tcase, tangent_maps, 0, problem_count);
+    tcase_add_loop_test(tcase, pressed_beads, 0, 4);
     suite_add_tcase(suite, tcase);
     tcase = tcase_create("runs");
     tcase_add_loop_test(tcase, results_at_times, 0, problem_count);

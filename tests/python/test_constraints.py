@@ -287,12 +287,17 @@ class Refused(unittest.TestCase):
                      "EUNSUPPORTED")
         self.refused(tvi.Error, "constrained", lambda: tvi.solve(system, (0, 1), [1, 0], 0, h=0.1, compiled=True),
                      "EUNSUPPORTED")
-        it, orbits = tvi.Integrator(system, [1, 0], 0), tvi.Ensemble(system, [[1, 0]] * 2, 0)
+        bent = tvi.constrained(tvi.hamiltonian(2, lambda q, p: (p @ p) / (2 + q[0] ** 2) + 9.8 * q[1]), rod)
+        it, orbits = tvi.Integrator(bent, [1, 0], 0), tvi.Ensemble(bent, [[1, 0]] * 2, 0)
         it.tangent = orbits.tangent = np.eye(4)
         self.refused(tvi.Error, "tangent map of a constrained", lambda: it.step(0.1), "EUNSUPPORTED")
-        for call in (lambda: orbits.integrate(0.1, 2), lambda: tvi.megno(system, (0, 1), [1, 0], 0, h=0.1),
-                     lambda: tvi.lyapunov(system, (0, 1), [1, 0], 0, h=0.1)):
+        for call in (lambda: orbits.integrate(0.1, 2), lambda: tvi.megno(bent, (0, 1), [1, 0], 0, h=0.1),
+                     lambda: tvi.lyapunov(bent, (0, 1), [1, 0], 0, h=0.1)):
             self.refused(tvi.Error, "tangent map of a constrained", call, "EUNSUPPORTED")
+
+    def test_tangents(self):
+        """A pendulum is regular: its megno is 2."""
+        self.assertAlmostEqual(float(tvi.megno(pendulum(), (0, 2000), [1, 0], 0, h=0.05)), 2, delta=0.1)
 
 
 if __name__ == "__main__":
