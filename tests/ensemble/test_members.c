@@ -194,7 +194,7 @@ static void save_and_load(void)
     OK(tvi_ensemble_create(&other, o.system, &o.options, MEMBERS, 1 + below(3)));
     for (int m = 0; m < MEMBERS; m++) {
         alone *a = &o.by_itself[m];
-        if (!isfinite(a->q[0])) set_state(m);
+        while (!isfinite(a->q[0])) set_state(m);
         char *of_member = text_of_member(o.ensemble, m, o.members.t, o.members.q, o.members.p),
              *text = text_of_state(a->integrator, a->t, a->q, a->p);
         tvi_integrator_free(a->integrator);
