@@ -158,6 +158,8 @@ bool jet_is_poison(jet x);
 jet_reason jet_poison_reason(jet x);
 /* Returns the status of a reason. */
 tvi_status jet_reason_status(jet_reason reason);
+/* Tells whether x is the number 0, which needs no node. */
+static inline bool jet_is_zero(jet x) { return !x.node && x.number == 0; }
 /* Returns the poison with which outputs are filled before the user's function runs, for outputs that it does not
  * set. */
 static inline jet jet_make_unset_poison(void) { return jet_make_poison(JET_UNSET); }

@@ -66,7 +66,7 @@ typedef struct {
 } tvi_rigid;
 
 /* Tells whether these are bodies and joints; tvi_last_error names the member that is wrong. All functions below begin
- * with it: those that record jets return a number that is not finite where it fails, and those that return nothing do
+ * with it: those that record jets give a number that is not finite where it fails, and others that return nothing do
  * nothing.
  *   TVI_EINVAL      a count or a body's number out of range; NULL; a mass <= 0; a moment of inertia that is negative,
  *                   or more than the sum of the other two; a joint of a body with itself; an axis of length 0; a point
@@ -96,8 +96,8 @@ void tvi_rigid_constraint(const jet q[], jet t, jet value[], void *ctx);
 
 /* ---- Points and forces ------------------------------------------------------------------------------------------- */
 
-/* Records where the point X[axes] of a body is, x[axes]; of numbers it does tvi_rigid_place. They are not finite where
- * the body has no such point, which is one off a line. */
+/* Records where the point X[axes] of a body, or of the world, is, x[axes]; tvi_rigid_place computes it, of a body. They
+ * are not finite where the body has no such point, which is one off a line. */
 void tvi_rigid_point(const tvi_rigid *r, const jet q[], int body, const double X[], jet x[]);
 void tvi_rigid_place(const tvi_rigid *r, const double q[], int body, const double X[], double x[]);
 
@@ -127,7 +127,7 @@ TVI_NODISCARD tvi_status tvi_rigid_state(const tvi_rigid *r, int body, const tvi
 
 /* Finds the state of a body: of motion->point, which it reads, the place and velocity, the quaternion of length 1 with
  * w >= 0, and omega. A line has the quaternion of the least rotation, and no omega about itself.
- *   TVI_EINVAL      as above, and directors of which a product is not 0 or 1 to 1e-3 */
+ *   TVI_EINVAL      as above, and directors of which a product is not 0 or 1 to 1e-3, or that are left-handed */
 TVI_NODISCARD tvi_status tvi_rigid_of(const tvi_rigid *r, int body, const double q[], const double p[],
                                       tvi_rigid_motion *motion);
 

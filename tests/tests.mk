@@ -111,7 +111,7 @@ do-isas: $(addprefix $(BUILD)/check/,ad library events generating ensemble invar
 	    tests/suites.sh 'closed forms,structure,stepping,products,linear,sums' $(BUILD)/check/library && \
 	    tests/suites.sh rounding $(BUILD)/check/invariance && \
 	    tests/suites.sh '' $(BUILD)/check/events && \
-	    tests/suites.sh steps $(BUILD)/check/constraints && \
+	    tests/suites.sh steps,runs $(BUILD)/check/constraints && \
 	    tests/suites.sh 'bits/bits,members' $(BUILD)/check/ensemble && \
 	    tests/suites.sh 'forms,orders,points,convergence,dense,galerkin,references' $(BUILD)/check/generating || \
 	    exit 1; done
@@ -199,7 +199,7 @@ do-sanitizers: $(addprefix $(BUILD)/check/,library ad generating ensemble bodies
 	$(BUILD)/check/fuzz
 	$(BUILD)/check/fuzz_states 1 250000
 	$(IN_ONE_GO) 'refused,elements,places,sums' $(BUILD)/check/bodies
-	$(IN_ONE_GO) 'statement,states,starts,wrong bodies,steps/kept' $(BUILD)/check/constraints
+	$(IN_ONE_GO) 'statement,states,starts,wrong bodies,steps/kept,runs' $(BUILD)/check/constraints
 	$(BUILD)/check/fuzz_bodies 1 1000000
 	$(PYTHON_SANITIZED)
 

@@ -69,4 +69,12 @@ static inline double tvi_clamp(double least, double x, double most) { return fmi
 /* Returns part / whole, or 0 if part is 0. */
 static inline double tvi_ratio_or_zero(double part, double whole) { return part == 0 ? 0 : part / whole; }
 
+/* Returns the rounded sum of a and b, and sets *rest to its exact rounding error (two-sum). */
+static inline double tvi_two_sum(double a, double b, double *rest)
+{
+    const double sum = a + b, part = sum - a;
+    *rest = (a - (sum - part)) + (b - part);
+    return sum;
+}
+
 #endif

@@ -4,6 +4,7 @@
  * knows only what they add to the free motion of the unknowns. The table at the end is the stepper of "galerkin" for a
  * system with constraints. The plain step knows nothing of it. */
 #include "galerkin/constrained.h"
+#include "refusal.h"
 
 #include <math.h>
 
@@ -81,7 +82,6 @@ static void allocate_one_state(constrained_work *work, tvi_arena *arena, const t
     const size_t n = (size_t)system->n;
     tvi_constraint_allocate(&work->one, arena, system);
     work->values = tvi_arena_allocate_block(arena, c->values, 1, 1, 0);
-    work->rates = tvi_arena_allocate_block(arena, c->rates, 1, 1, 0);
     work->bend = tvi_arena_allocate_block(arena, c->curvature, 1, lanes, 0);
     work->G = tvi_arena_allocate_doubles(arena, (size_t)c->entry_count);
     work->S = tvi_arena_allocate_doubles(arena, (size_t)work->nodes.S.size);
@@ -160,14 +160,17 @@ static tvi_status make_pass(constrained_work *work, double *movement, bool is_fa
         BY_LANES(lanes, nodes->lane_count, set_impulse_rows(nodes, nodes->x, step->rate_row, lanes));
     } else {
         const tvi_status status = tvi_galerkin_make_pass(step, &of_forces, counts);
+        if (status == TVI_ESINGULAR) return jet_refuse(status, "L_vv is singular");
         if (status != TVI_OK) return status;
     }
-    tvi_constrained_add_forces(work);
+    tvi_constrained_set_by_forces(work);
     const constraint_outcome of_constraints =
         constraint_pass(&work->nodes, nodes->lane_count, is_factor_new, nodes->inverse_size);
     counts->factorisations += is_factor_new ? nodes->node_count : 0;
     if (!of_constraints.is_inside) return TVI_EDOMAIN;
-    if (of_constraints.singular >= 0) return constrained_refuse(of_constraints.singular);
+    if (isnan(of_constraints.pivot)) return TVI_ENONFINITE;
+    if (!(of_constraints.pivot > tvi_dependent_pivot(work->nodes.count)))
+        return tvi_refuse_dependent(of_constraints.least, of_constraints.pivot);
     tvi_constrained_add_impulses(work);
     if (step->form == GALERKIN_PLAIN) {
         of_forces = constrained_move_unknowns(step);

@@ -5,7 +5,6 @@
 
 #include "galerkin/constraint_nodes.h"
 #include "galerkin/galerkin.h"
-#include "refusal.h"
 
 /* What a step leaves for the prediction of the next one and for dense output: multipliers at all m + 1 nodes, and
  * impulses. */
@@ -24,8 +23,8 @@ typedef struct {
     double *fit[2];     /* [m][lanes][lanes] the factors of impulses of the last two steps in those of the next */
     /* One state: the start of the step, and then its end. */
     tvi_constraint_work one;
-    double *values, *rates, *bend; /* blocks of the tapes: values and rates, and second derivatives in lanes */
-    double *G, *S;                 /* [entries], [factor_size] */
+    double *values, *bend;                          /* blocks of the tapes: values, and second derivatives in lanes */
+    double *G, *S;                                  /* [entries], [factor_size] */
     double *q, *q_low, *p, *p_low, *v, *K, *lambda; /* [n] each; lambda [count] */
 } constrained_work;
 
@@ -44,7 +43,7 @@ void tvi_constrained_add_impulses(const constrained_work *work);
 
 /* Sets by_forces: what the impulses of the forces do to the positions at the targets. In equations of first order they
  * have acted on the positions by velocities that know the present K, whose part is taken off to first order. */
-void tvi_constrained_add_forces(const constrained_work *work);
+void tvi_constrained_set_by_forces(const constrained_work *work);
 
 /* Computes the increments and the tail of a step from its impulses, and records these. The tail has the last term of
  * the forces of constraint, as it has that of the forces. */
@@ -63,14 +62,6 @@ void tvi_constrained_sample(void *self, const tvi_component_range used[2], const
 static inline void constrained_set_times(const jet_tape *tape, double *block, int inputs, int lanes, const double t[])
 {
     if (tape->input_count > inputs) memcpy(block + inputs * lanes, t, (size_t)lanes * sizeof *t);
-}
-
-static inline tvi_status constrained_refuse(int constraint)
-{
-    return jet_refuse(TVI_ESINGULAR,
-                      "constraint %d follows from the others there: leave it out, or the position is "
-                      "singular",
-                      constraint);
 }
 
 /* Moves the unknowns at the Gauss nodes by the impulses. */

@@ -46,7 +46,7 @@ static tvi_status set_factor_of_state(constrained_work *work, double t, const do
     int least = 0;
     if (!set_G_of_state(work, t, q, q_low, G)) return TVI_EDOMAIN;
     const double pivot = constraint_factor(&work->nodes, G, S, &least, 1);
-    return pivot > CONSTRAINT_LEAST_PIVOT * work->nodes.count ? TVI_OK : constrained_refuse(least);
+    return pivot > tvi_dependent_pivot(work->nodes.count) ? TVI_OK : tvi_refuse_dependent(least, pivot);
 }
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
@@ -55,12 +55,8 @@ static tvi_status set_factor_of_state(constrained_work *work, double t, const do
 static tvi_status set_W(constrained_work *work, double t, const double *q, const double *p)
 {
     const constraint_nodes *at = &work->nodes;
-    if (at->has_masses) {
-        for (int i = 0; i < at->n; i++) at->W[i] = 1 / work->galerkin->step.system->mass[i];
-        return TVI_OK;
-    }
     const tvi_status status = tvi_constraint_set_W(&work->one, t, q, p);
-    if (status == TVI_OK) memcpy(at->W, work->one.W, (size_t)(at->n * at->n) * sizeof *at->W);
+    if (status == TVI_OK) memcpy(at->W, work->one.W, (size_t)(at->has_masses ? at->n : at->n * at->n) * sizeof *at->W);
     return status;
 }
 
@@ -109,7 +105,7 @@ void tvi_constrained_add_impulses(const constrained_work *work)
 
 /* Sets by_forces: what the impulses of the forces do to the positions at the targets. In equations of first order they
  * have acted on the positions by velocities that know the present K, whose part is taken off to first order. */
-void tvi_constrained_add_forces(const constrained_work *work)
+void tvi_constrained_set_by_forces(const constrained_work *work)
 {
     const constraint_nodes *at = &work->nodes;
     const galerkin_step *step = &work->galerkin->step;
@@ -201,7 +197,7 @@ tvi_status tvi_constrained_predict(constrained_work *work, const tvi_step_origin
         predict_impulses(work, equal_step_count, (int)galerkin->predictor.history->ring_index);
         (void)constrained_move_unknowns(step);
     }
-    tvi_constrained_add_forces(work);
+    tvi_constrained_set_by_forces(work);
     BY_LANES(width, lanes, constraint_set_moved(at, at->X.moved, width));
     memset(at->X.end_roundoff, 0, (size_t)at->n * sizeof *at->X.end_roundoff);
     for (int k = 0; k < at->n * lanes; k++) at->X.now[k] = at->X.free[k] + (at->X.moved[k] + at->X.free_low[k]);

@@ -20,8 +20,6 @@
 #define CONSTRAINT_ROUNDED_BITS 20 /* found: make constraints */
 /* [iterations] The corrections of the multipliers in a pass. */
 #define CONSTRAINT_ITERATIONS 3 /* found: make constraints */
-/* [1] A pivot of S, divided by the diagonal of S, is 0 if it is at most this times the number of constraints. */
-#define CONSTRAINT_LEAST_PIVOT (64 * DBL_EPSILON)
 
 /* S = G W G^T, by rows, from the first constraint that shares a coordinate on, so that parts that share none, and
  * chains, cost no more than they need. A factor R has the reciprocal of its diagonal in the place of the diagonal. */
@@ -73,8 +71,6 @@ typedef struct {
 } constraint_nodes;
 
 /* ---- Matrices ---------------------------------------------------------------------------------------------------- */
-
-static inline int constraint_row_begin(const tvi_constraints *c, int k) { return k > 0 ? c->row_end[k - 1] : 0; }
 
 /* to += sign a b for rows of lanes; of one state there is one lane. */
 JET_INLINE void lanes_add_product(double *to, const double *a, const double *b, const double sign, const int lanes)
@@ -169,7 +165,7 @@ JET_INLINE void constraint_set_S(const constraint_nodes *at, const double *G, do
 }
 
 /* Sets S = G W G^T, and factors it. The diagonal of the factor is stored as its reciprocal. Returns the least pivot as
- * a part of the diagonal of S, at any lane; *least is its constraint. */
+ * a part of the diagonal of S, at any lane, or NAN if one is no number; *least is its constraint. */
 JET_INLINE double constraint_factor(const constraint_nodes *at, const double *G, double *S, int *least, const int lanes)
 {
     double worst = INFINITY;
@@ -185,7 +181,7 @@ JET_INLINE double constraint_factor(const constraint_nodes *at, const double *G,
             if (l < k) lanes_multiply(of_k + l * lanes, of_l + l * lanes, lanes);
         }
         for (int lane = 0; lane < lanes; lane++) {
-            if (!(pivot[lane] / before[lane] >= worst)) worst = pivot[lane] / before[lane], *least = k;
+            if (!(pivot[lane] / before[lane] >= worst) && !isnan(worst)) worst = pivot[lane] / before[lane], *least = k;
             pivot[lane] = 1 / sqrt(pivot[lane]);
         }
     }
@@ -288,7 +284,7 @@ JET_INLINE bool constraint_evaluate(const constraint_nodes *at, const int lanes)
 }
 
 /* Evaluates the second derivatives of phi along dx, which the block of curvature has, for these multipliers: sets the
- * rows (G^T mu)_q dx, whose address it returns in *bent, and dx phi_qq dx / 2. */
+ * rows (G^T mu)_q dx in `bent`, and dx phi_qq dx / 2. Returns false if an operand is outside its domain. */
 JET_INLINE bool constraint_bend(const constraint_nodes *at, double *bent, double *half_square, const int lanes)
 {
     const tvi_constraints *c = at->constraints;
@@ -340,7 +336,8 @@ JET_INLINE double constraint_move(const constraint_nodes *at, const double inver
 /* What a pass over the constraints finds. */
 typedef struct {
     bool is_inside; /* all operands were inside their domains */
-    int singular;   /* a constraint that follows from others at some node, or -1 */
+    double pivot;   /* the least one of S, if it was factored, and its constraint */
+    int least;
     double movement;
 } constraint_outcome;
 
@@ -349,14 +346,12 @@ typedef struct {
 JET_INLINE constraint_outcome constraint_pass_rows(const constraint_nodes *at, bool is_factor_new,
                                                    const double inverse_size[], const int lanes)
 {
-    constraint_outcome outcome = {.singular = -1};
+    constraint_outcome outcome = {.pivot = INFINITY};
     const int numbers = at->n * lanes;
     double *const dx = at->pass.curvature + numbers;
     if (!constraint_evaluate(at, lanes)) return outcome;
     if (is_factor_new) {
-        int least = 0;
-        const double pivot = constraint_factor(at, at->G.targets, at->S.targets, &least, lanes);
-        if (!(pivot > CONSTRAINT_LEAST_PIVOT * at->count)) outcome.singular = least;
+        outcome.pivot = constraint_factor(at, at->G.targets, at->S.targets, &outcome.least, lanes);
         constraint_to_sources(at->S.size, at->S.targets, at->S.start, at->S.sources, lanes);
     }
     memcpy(dx, at->pass.rest, (size_t)numbers * sizeof *dx);

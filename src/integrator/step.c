@@ -162,6 +162,9 @@ static tvi_status explain_stepper_failure(tvi_integrator *it, tvi_status status)
 {
     if (status == TVI_ENONFINITE && status_of_nonfinite_result(it) == TVI_ETOOLARGE)
         return jet_refuse(TVI_ETOOLARGE, "its passes overflow: the step is too large");
+    /* The steppers on constraints say which constraint makes the matrix singular. */
+    if (status == TVI_ESINGULAR && it->system->constraints)
+        return jet_refuse(status, "its equations: %s", jet_last_refusal_text());
     return tvi_refuse_failed_evaluation("its equations", status);
 }
 

@@ -73,14 +73,6 @@ static inline bool tvi_step_ends_before_t_end(const tvi_run_request *request, co
     return dt > tvi_least_time_change(t) && dt < way * (request->t_end - t);
 }
 
-/* Returns the rounded sum of a and b, and sets *rest to its exact rounding error (two-sum). */
-static inline double tvi_two_sum(double a, double b, double *rest)
-{
-    const double sum = a + b, part = sum - a;
-    *rest = (a - (sum - part)) + (b - part);
-    return sum;
-}
-
 /* Adds (increment, increment_low) to (x, *low). Returns the new x, and updates *low. The error is of the size of the
  * roundoff of *low. */
 static inline double tvi_add_compensated(double x, double *low, double increment, double increment_low)

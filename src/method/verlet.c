@@ -201,15 +201,14 @@ static tvi_status step_rattle(void *work, double h, const tvi_step_origin *origi
                               tvi_stats *stats)
 {
     verlet_work *w = work;
-    const tvi_constraints *c = w->system->constraints;
     const int n = w->system->n;
     w->last_step_size = h;
     memcpy(w->force_block, origin->q, (size_t)n * sizeof *w->force_block);
     stats->force_evaluations += 2;
     tvi_status status = compute_forces(w, origin, 0, w->force_at_start);
-    if (status == TVI_OK) status = tvi_constraint_multipliers(&w->at, origin->t, origin->q, origin->p, w->mu);
+    if (status == TVI_OK) status = tvi_constraint_factor(&w->at, origin->t, origin->q, origin->p);
     if (status != TVI_OK) return status;
-    for (int k = 0; k < c->count; k++) w->mu[k] *= h / 2;
+    memset(w->mu, 0, (size_t)w->system->constraints->count * sizeof *w->mu);
     tvi_constraint_get_G(&w->at, w->start_G);
     status = find_start_impulse(w, h, origin, stats);
     if (status != TVI_OK) return status;

@@ -20,13 +20,10 @@ typedef struct {
     jet *H_pp, *A, *W;
 } linearised_motion;
 
-/* Tells whether x is the constant 0, which needs no node of the graph. */
-static bool is_constant_zero(jet x) { return !x.node && x.number == 0; }
-
 /* Records *x + c y, and stores it in *x. It records nothing if y is 0. */
 static void add_multiple(jet *x, jet c, jet y)
 {
-    if (!is_constant_zero(y)) *x = jet_add(*x, jet_mul(c, y));
+    if (!jet_is_zero(y)) *x = jet_add(*x, jet_mul(c, y));
 }
 
 /* ---- H'' --------------------------------------------------------------------------------------------------------- */
@@ -72,7 +69,7 @@ static void diagonalise_H_pp(const linearised_motion *motion)
     for (int j = 0; j < n; j++)
         for (int i = j + 1; i < n; i++) {
             jet *row = motion->H_pp + i * n;
-            if (is_constant_zero(row[j])) continue;
+            if (jet_is_zero(row[j])) continue;
             const jet l = jet_div(row[j], motion->H_pp[j * n + j]), negative_l = jet_neg(l);
             for (int k = j + 1; k <= i; k++) add_multiple(&row[k], negative_l, motion->H_pp[k * n + j]);
             change_coordinate_q_i(motion, i, j, l);
@@ -88,9 +85,9 @@ static void reduce_H_qq_to_W(const linearised_motion *motion)
     for (int k = 0; k < n; k++)
         for (int i = 0; i < n; i++) {
             const jet *row = motion->A + k * n;
-            if (is_constant_zero(row[i])) continue;
+            if (jet_is_zero(row[i])) continue;
             for (int j = 0; j <= i; j++)
-                if (!is_constant_zero(row[j]) && (i != k || j != k))
+                if (!jet_is_zero(row[j]) && (i != k || j != k))
                     motion->W[i * n + j] =
                         jet_sub(motion->W[i * n + j], jet_div(jet_mul(row[i], row[j]), motion->H_pp[k * n + k]));
         }
@@ -111,7 +108,7 @@ static jet record_C2_trace_summand(const linearised_motion *motion, int i, int j
     const int n = motion->n;
     const jet A = motion->A[i * n + j], B = motion->A[j * n + i], d = motion->H_pp[i * n + i],
               e = motion->H_pp[j * n + j];
-    if (is_constant_zero(A) && is_constant_zero(B)) return A;
+    if (jet_is_zero(A) && jet_is_zero(B)) return A;
     return jet_mul(jet_mul(d, e), jet_sqr(jet_sub(jet_div(A, d), jet_div(B, e))));
 }
 

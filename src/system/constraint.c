@@ -78,8 +78,6 @@ static tvi_status begin_recording(constraint_recording *recording, int n, int m)
     return TVI_OK;
 }
 
-static bool is_zero(jet x) { return !x.node && x.number == 0; }
-
 /* Appends the entries of row k of G to `values` and to the lists of the constraints. Refuses a row without entries. */
 static tvi_status append_row(constraint_recording *recording, int k)
 {
@@ -93,13 +91,13 @@ static tvi_status append_row(constraint_recording *recording, int k)
     if (!column || !values) return TVI_ENOMEM;
     const int first = constraints->entry_count;
     for (int i = 0; i < n; i++) {
-        if (is_zero(recording->gradient[i])) continue;
+        if (jet_is_zero(recording->gradient[i])) continue;
         values[m + constraints->entry_count] = recording->gradient[i];
         column[constraints->entry_count++] = i;
     }
     constraints->row_end[k] = constraints->entry_count;
     if (constraints->entry_count > first) return TVI_OK;
-    const bool has_time = !is_zero(recording->gradient[recording->input_count - 1]);
+    const bool has_time = !jet_is_zero(recording->gradient[recording->input_count - 1]);
     return jet_refuse(TVI_EINVAL, has_time ? "phi[%d] is a function of t alone" : "phi[%d] is a number", k);
 }
 

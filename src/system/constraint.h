@@ -6,6 +6,8 @@
 
 #include "system/legendre.h"
 
+#include <float.h>
+
 /* The constraints of a system. */
 typedef struct tvi_constraints {
     int count; /* m */
@@ -23,6 +25,9 @@ typedef struct tvi_constraints {
      * its term G q'': d phi_qq d + 2 phi_qt d + phi_tt [m]. */
     jet_tape *rates;
 } tvi_constraints;
+
+/* Returns the first entry of row k of G. */
+static inline int constraint_row_begin(const tvi_constraints *c, int k) { return k > 0 ? c->row_end[k - 1] : 0; }
 
 void tvi_constraints_free(tvi_constraints *constraints);
 
@@ -42,12 +47,12 @@ uint64_t tvi_constraints_continue_hash(uint64_t hash, const tvi_constraints *con
 /* The memory in which the constraints of one state are computed. */
 typedef struct tvi_constraint_work {
     const tvi_system *system;
-    double *W;                            /* [n][n] The inverse masses dv/dp at the state. */
+    double *W; /* The inverse masses dv/dp at the state: [n] where they are constant, or [n][n]. */
     double *values_block, *rates_block;   /* The blocks of the tapes. */
     double *field_block, *field_tangents; /* The field at the state, and its derivatives along some directions. */
     tvi_legendre_transform legendre;      /* Computes velocities from momenta, for a Lagrangian with L_vv(q, v). */
     double *velocity;                     /* [n] The velocity of the state. */
-    double *G_W;                          /* [m][n] */
+    double *product;                      /* [n] W G_k^T, or G^T y. */
     double *S;                            /* [m][m] G W G^T, and then its scaled factor (factor_S in project.c). */
     double *scale;                        /* [m] Makes the diagonal of S 1. */
     double *residual;                     /* [m] The right-hand side, and then the solution, of an equation with S. */
@@ -58,11 +63,17 @@ typedef struct tvi_constraint_work {
     } moved, start;
 } tvi_constraint_work;
 
+/* A constraint of m depends on others if the pivot of its row of S, scaled to the diagonal 1, is at most this:
+ * roundoff. */
+static inline double tvi_dependent_pivot(int m) { return 64 * m * DBL_EPSILON; }
+/* Refuses such a constraint with TVI_ESINGULAR. */
+tvi_status tvi_refuse_dependent(int k, double pivot);
+
 /* Allocates the memory for a system that has constraints, in an arena (algebra/arena.h). The blocks get the parameters
  * of the arena. */
 void tvi_constraint_allocate(tvi_constraint_work *work, tvi_arena *arena, const tvi_system *system);
 
-/* Computes W at a state: diag(1/m) of a system with masses, and otherwise H_pp or L_vv^-1. */
+/* Computes W at a state: diag(1/m), [n], of a system with masses, and otherwise H_pp or L_vv^-1. */
 TVI_NODISCARD tvi_status tvi_constraint_set_W(tvi_constraint_work *work, double t, const double q[], const double p[]);
 
 /* Computes v = dq/dt of a state. */

@@ -39,7 +39,7 @@ static jet *append_gradient(tvi_system *system, jet x, jet **jets)
 /* Appends the second derivative x to jets, and its row and column to system->hessian, unless it is 0 everywhere. */
 static void append_hessian_entry(tvi_system *system, jet jets[], int row, int column, jet x)
 {
-    if (!x.node && x.number == 0) return;
+    if (jet_is_zero(x)) return;
     jets[2 * system->n + system->hessian.entry_count] = x;
     system->hessian.entry[system->hessian.entry_count++] = (tvi_hessian_entry){row, column};
 }

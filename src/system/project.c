@@ -14,8 +14,6 @@
 #define NEAR 0x1p-26
 /* [passes] Newton's method makes at most so many. */
 #define MAX_PASSES 50
-/* [units of roundoff] A constraint depends on others if its scaled pivot is at most m times this. */
-#define DEPENDENT_PIVOT 64
 /* The number of derivatives of the field that are computed at once. */
 enum { DIRECTIONS = 8 };
 
@@ -34,7 +32,7 @@ void tvi_constraint_allocate(tvi_constraint_work *work, tvi_arena *arena, const 
 {
     const size_t n = (size_t)system->n, m = (size_t)system->constraints->count;
     work->system = system;
-    work->W = tvi_arena_allocate_doubles(arena, n * n);
+    work->W = tvi_arena_allocate_doubles(arena, has_constant_W(system) ? n : n * n);
     work->values_block = tvi_arena_allocate_block(arena, system->constraints->values, 1, 1, 0);
     work->rates_block = tvi_arena_allocate_block(arena, system->constraints->rates, 1, 1, 0);
     if (system->form == TVI_LAGRANGIAN) {
@@ -42,7 +40,7 @@ void tvi_constraint_allocate(tvi_constraint_work *work, tvi_arena *arena, const 
         work->field_block = work->legendre.field_block;
     } else work->field_block = tvi_arena_allocate_block(arena, system->field_series, 1, 1, 0);
     work->field_tangents = tvi_arena_allocate_doubles(arena, (size_t)system->field_series->slot_count * DIRECTIONS);
-    work->G_W = tvi_arena_allocate_doubles(arena, m * n);
+    work->product = tvi_arena_allocate_doubles(arena, n);
     work->S = tvi_arena_allocate_doubles(arena, m * m);
     work->scale = tvi_arena_allocate_doubles(arena, m);
     work->residual = tvi_arena_allocate_doubles(arena, m);
@@ -95,7 +93,7 @@ static tvi_status compute_W(tvi_constraint_work *work)
 {
     const tvi_system *system = work->system;
     const size_t n = (size_t)system->n;
-    for (size_t i = 0; i < n && has_constant_W(system); i++) work->W[i * n + i] = 1 / system->mass[i];
+    for (size_t i = 0; i < n && has_constant_W(system); i++) work->W[i] = 1 / system->mass[i];
     if (has_constant_W(system)) return TVI_OK;
     for (int j = 0; j < system->n; j += DIRECTIONS)
         compute_columns_of_W(work, j, system->n - j < DIRECTIONS ? system->n - j : DIRECTIONS);
@@ -121,7 +119,7 @@ tvi_status tvi_constraint_velocity(tvi_constraint_work *work, double t, const do
         return TVI_OK;
     }
     const tvi_status status = evaluate_field(work, t, q, p);
-    if (status == TVI_OK) memcpy(v, work->velocity, (size_t)system->n * sizeof *v);
+    if (status == TVI_OK && v != work->velocity) memcpy(v, work->velocity, (size_t)system->n * sizeof *v);
     return status;
 }
 
@@ -158,8 +156,6 @@ static double entry_of_G(const tvi_constraint_work *work, int entry)
     return work->values_block[constraints->values->output_slot[constraints->count + entry]];
 }
 
-static int row_begin(const tvi_constraints *constraints, int k) { return k > 0 ? constraints->row_end[k - 1] : 0; }
-
 static double phi_of(const tvi_constraint_work *work, int k)
 {
     return work->values_block[work->system->constraints->values->output_slot[k]];
@@ -175,7 +171,7 @@ static double multiply_row_of_G(const tvi_constraint_work *work, int k, const do
 {
     const tvi_constraints *constraints = work->system->constraints;
     double sum = 0;
-    for (int e = row_begin(constraints, k); e < constraints->row_end[k]; e++)
+    for (int e = constraint_row_begin(constraints, k); e < constraints->row_end[k]; e++)
         sum += entry_of_G(work, e) * x[constraints->column[e]];
     return sum;
 }
@@ -186,17 +182,27 @@ static void multiply_by_G_transposed(const tvi_constraint_work *work, const doub
     const tvi_constraints *constraints = work->system->constraints;
     memset(x, 0, (size_t)work->system->n * sizeof *x);
     for (int k = 0; k < constraints->count; k++)
-        for (int e = row_begin(constraints, k); e < constraints->row_end[k]; e++)
+        for (int e = constraint_row_begin(constraints, k); e < constraints->row_end[k]; e++)
             x[constraints->column[e]] -= entry_of_G(work, e) * y[k];
+}
+
+/* Adds W x to `to`, [n]. */
+static void add_W_product(const tvi_constraint_work *work, const double x[], double to[])
+{
+    const size_t n = (size_t)work->system->n;
+    const bool is_diagonal = has_constant_W(work->system);
+    for (size_t i = 0; i < n; i++) {
+        if (is_diagonal) to[i] += work->W[i] * x[i];
+        for (size_t j = 0; j < (is_diagonal ? 0 : n); j++) to[i] += work->W[i * n + j] * x[j];
+    }
 }
 
 /* Sets x [n] to -W G^T y. */
 static void multiply_by_W_G_transposed(const tvi_constraint_work *work, const double y[], double x[])
 {
-    const size_t n = (size_t)work->system->n;
-    memset(x, 0, n * sizeof *x);
-    for (int k = 0; k < work->system->constraints->count; k++)
-        for (size_t i = 0; i < n; i++) x[i] -= work->G_W[(size_t)k * n + i] * y[k];
+    multiply_by_G_transposed(work, y, work->product);
+    memset(x, 0, (size_t)work->system->n * sizeof *x);
+    add_W_product(work, work->product, x);
 }
 
 tvi_status tvi_constraint_evaluate(tvi_constraint_work *work, double t, const double q[], const double p[],
@@ -214,20 +220,30 @@ tvi_status tvi_constraint_evaluate(tvi_constraint_work *work, double t, const do
 
 /* ---- The matrix S ------------------------------------------------------------------------------------------------ */
 
-/* Computes G W and the lower triangle of S = G W G^T. */
+/* Computes the lower triangle of S = G W G^T. */
 static void compute_S(tvi_constraint_work *work)
 {
     const tvi_constraints *constraints = work->system->constraints;
     const size_t n = (size_t)work->system->n, m = (size_t)constraints->count;
-    memset(work->G_W, 0, m * n * sizeof *work->G_W);
+    const bool is_diagonal = has_constant_W(work->system);
+    double *row = work->product;
     for (size_t k = 0; k < m; k++) {
-        double *row = work->G_W + k * n;
-        for (int e = row_begin(constraints, (int)k); e < constraints->row_end[k]; e++) {
-            const double *of_W = work->W + (size_t)constraints->column[e] * n, entry = entry_of_G(work, e);
-            for (size_t i = 0; i < n; i++) row[i] += entry * of_W[i];
+        memset(row, 0, n * sizeof *row);
+        for (int e = constraint_row_begin(constraints, (int)k); e < constraints->row_end[k]; e++) {
+            const size_t j = (size_t)constraints->column[e];
+            if (is_diagonal) row[j] = entry_of_G(work, e) * work->W[j];
+            for (size_t i = 0; i < (is_diagonal ? 0 : n); i++) row[i] += entry_of_G(work, e) * work->W[i * n + j];
         }
         for (size_t l = 0; l <= k; l++) work->S[k * m + l] = multiply_row_of_G(work, (int)l, row);
     }
+}
+
+tvi_status tvi_refuse_dependent(int k, double pivot)
+{
+    return jet_refuse(TVI_ESINGULAR,
+                      "phi[%d] depends on the others (pivot %.1e): it follows from them and is to be left out, "
+                      "contradicts them, or the position is singular",
+                      k, pivot);
 }
 
 /* Scales S to the diagonal 1. */
@@ -262,12 +278,7 @@ static tvi_status factor_S(tvi_constraint_work *work)
             row[l] /= of_l[l];
             pivot -= row[l] * row[l];
         }
-        if (!(pivot > DEPENDENT_PIVOT * (double)m * DBL_EPSILON))
-            return jet_refuse(
-                TVI_ESINGULAR,
-                "phi[%zu] depends on the others (pivot %.1e): it follows from them and is to be left out, "
-                "contradicts them, or the position is singular",
-                k, pivot);
+        if (!(pivot > tvi_dependent_pivot((int)m))) return tvi_refuse_dependent((int)k, pivot);
         row[k] = sqrt(pivot);
     }
     return TVI_OK;
@@ -332,9 +343,9 @@ static void compute_free_acceleration(tvi_constraint_work *work)
     if (system->form == TVI_HAMILTONIAN) return;
     for (int i = 0; i < n; i++) {
         a[i] = 0;
-        for (int j = 0; j < n; j++)
-            a[i] += work->W[(size_t)i * (size_t)n + (size_t)j] * (block[output[j]] - tangents[output[n + j]]);
+        work->product[i] = block[output[i]] - tangents[output[n + i]];
     }
+    add_W_product(work, work->product, a);
 }
 
 tvi_status tvi_constraint_multipliers(tvi_constraint_work *work, double t, const double q[], const double p[],
@@ -361,14 +372,6 @@ void tvi_constraint_force(const tvi_constraint_work *work, const double lambda[]
 }
 
 /* ---- Projection -------------------------------------------------------------------------------------------------- */
-
-/* Adds dx to (x, low), where low may be as large as dx. */
-static double add_to_pair(double x, double *low, double dx)
-{
-    const double small = *low + dx, sum = x + small, part = sum - x;
-    *low = (x - (sum - part)) + (small - part);
-    return sum;
-}
 
 /* The passes of Newton's method for one half of the state. */
 typedef struct {
@@ -433,17 +436,10 @@ static tvi_status project_coordinates(tvi_constraint_work *work, double t, bool 
         judged = judge_correction(&passes, tvi_largest_magnitude(n, work->correction, 1),
                                   tvi_largest_magnitude(n, work->moved.q, 1));
         for (int i = 0; i < n && judged != TVI_EINVAL; i++)
-            work->moved.q[i] = add_to_pair(work->moved.q[i], &work->moved.q_low[i], work->correction[i]);
+            work->moved.q[i] =
+                tvi_two_sum(work->moved.q[i], work->moved.q_low[i] + work->correction[i], &work->moved.q_low[i]);
     }
     return judged == TVI_OK ? TVI_OK : refuse_state(work, judged, false);
-}
-
-/* Adds W x to the velocity. */
-static void add_W_product_to_velocity(tvi_constraint_work *work, const double x[])
-{
-    const size_t n = (size_t)work->system->n;
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++) work->velocity[i] += work->W[i * n + j] * x[j];
 }
 
 /* Moves moved_p onto phi' = 0 along G^T, at moved_q. */
@@ -453,11 +449,12 @@ static tvi_status project_momenta(tvi_constraint_work *work, double t, bool is_n
     projection_passes passes = {-1, is_near};
     tvi_status judged = TVI_ENOCONV, status = evaluate_values(work, t, work->moved.q);
     for (int pass = 0; pass < MAX_PASSES && status == TVI_OK && judged == TVI_ENOCONV; pass++) {
+        const bool is_new = pass == 0 || !has_constant_W(work->system); /* W, and so S */
         status = evaluate_field(work, t, work->moved.q, work->moved.p);
-        if (status == TVI_OK) status = compute_W(work);
-        if (status == TVI_OK) add_W_product_to_velocity(work, work->moved.p_low);
+        if (status == TVI_OK && is_new) status = compute_W(work);
+        if (status == TVI_OK) add_W_product(work, work->moved.p_low, work->velocity);
         if (status == TVI_OK) status = evaluate_rates(work, t, work->moved.q, work->velocity);
-        if (status == TVI_OK) status = factor_S(work);
+        if (status == TVI_OK && is_new) status = factor_S(work);
         if (status != TVI_OK) return status;
         for (int k = 0; k < m; k++) work->residual[k] = rate_of(work, k);
         tvi_constraint_solve(work, work->residual);
@@ -467,7 +464,8 @@ static tvi_status project_momenta(tvi_constraint_work *work, double t, bool is_n
         judged = judge_correction(&passes, tvi_largest_magnitude(n, work->correction, 1), size);
         multiply_by_G_transposed(work, work->residual, work->correction);
         for (int i = 0; i < n && judged != TVI_EINVAL; i++)
-            work->moved.p[i] = add_to_pair(work->moved.p[i], &work->moved.p_low[i], work->correction[i]);
+            work->moved.p[i] =
+                tvi_two_sum(work->moved.p[i], work->moved.p_low[i] + work->correction[i], &work->moved.p_low[i]);
     }
     return status != TVI_OK || judged == TVI_OK ? status : refuse_state(work, judged, true);
 }

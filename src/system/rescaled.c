@@ -72,7 +72,7 @@ jet tvi_record_user_lagrangian(const jet q[], const jet v[], jet t, void *ctx)
 /* What to take where there is no K, by its names in C and Python. */
 #define THE_REVERSIBLE_FORM "the reversible form, tvi_system_rescaled_reversible (rescaled(g, reversible=True))"
 
-#define THE_CONSTRAINED "a constrained system is not rescaled: take fixed steps, or a tolerance"
+#define THE_CONSTRAINED "a constrained system is not rescaled: take fixed steps"
 
 /* The request to rescale a system by the time scale g = dt/ds. */
 typedef struct {

@@ -1,6 +1,7 @@
 /* rigid.c - Records the constraints and the gravity of rigid bodies and their joints, and converts their states
  * (include/tvi_rigid.h, docs/rigid.md). A body is its centre and its directors, of which the kinetic energy is a sum of
- * squares: E_k |d_k'|^2 / 2 each, so that masses are constant and points of the body are linear in the coordinates. */
+ * squares: E_k |d_k'|^2 / 2 each, so that masses are constant, and points of the body are linear in the coordinates,
+ * but for the director that a plate leaves out. */
 #include "system/rigid.h"
 
 #include <float.h>
@@ -11,30 +12,35 @@
 
 /* ---- Bodies and their coordinates -------------------------------------------------------------------------------- */
 
+/* Sets what the coordinates of a body are, which begin where those of the body before end. */
+static void set_next_layout(const tvi_rigid *r, int body, rigid_layout *layout)
+{
+    const double *I = r->body[body].inertia, least = RIGID_LEAST_E * fmax(I[0], fmax(I[1], I[2]));
+    layout->start = layout->end;
+    layout->end += r->axes;
+    layout->count = 0;
+    for (int k = 0; k < 3; k++) {
+        const double E = (I[(k + 1) % 3] + I[(k + 2) % 3] - I[k]) / 2;
+        layout->E[k] = r->axes == 2 ? (k == 0 ? I[2] : 0) : E > least ? E : 0;
+        layout->at[k] = layout->E[k] > 0 ? layout->end : -1;
+        layout->end += layout->E[k] > 0 ? r->axes : 0;
+        layout->count += layout->E[k] > 0;
+    }
+}
+
 rigid_layout tvi_rigid_layout(const tvi_rigid *r, int body)
 {
     rigid_layout layout = {0};
-    for (int b = 0; b <= body; b++) {
-        const double *I = r->body[b].inertia, least = RIGID_LEAST_E * fmax(I[0], fmax(I[1], I[2]));
-        layout.start = layout.end;
-        layout.end += r->axes;
-        layout.count = 0;
-        for (int k = 0; k < 3; k++) {
-            const double E = (I[(k + 1) % 3] + I[(k + 2) % 3] - I[k]) / 2;
-            layout.E[k] = r->axes == 2 ? (k == 0 ? I[2] : 0) : E > least ? E : 0;
-            layout.at[k] = layout.E[k] > 0 ? layout.end : -1;
-            layout.end += layout.E[k] > 0 ? r->axes : 0;
-            layout.count += layout.E[k] > 0;
-        }
-    }
+    for (int b = 0; b <= body; b++) set_next_layout(r, b, &layout);
     return layout;
 }
 
 bool tvi_rigid_has_axis(const tvi_rigid *r, int body, int k)
 {
+    rigid_layout alone = {0};
     if (body == TVI_WORLD) return true;
-    const rigid_layout layout = tvi_rigid_layout(r, body);
-    return layout.at[k] >= 0 || layout.count > (r->axes == 3);
+    set_next_layout(r, body, &alone);
+    return alone.at[k] >= 0 || alone.count > (r->axes == 3);
 }
 
 static tvi_rigid_body make_body(double mass, double E0, double E1, double E2)
@@ -288,8 +294,9 @@ void tvi_rigid_constraint(const jet q[], jet t, jet value[], void *ctx)
     (void)t;
     value[0] = jet_const(NAN);
     if (tvi_rigid_check(r) != TVI_OK) return;
+    rigid_layout layout = {0};
     for (int b = 0; b < r->bodies; b++) {
-        const rigid_layout layout = tvi_rigid_layout(r, b);
+        set_next_layout(r, b, &layout);
         const jet *d = q + layout.start + r->axes;
         for (int i = 0; i < layout.count; i++)
             for (int j = i; j < layout.count; j++) {
@@ -307,15 +314,17 @@ jet tvi_rigid_potential(const jet q[], jet t, void *ctx)
     jet V = jet_const(0);
     (void)t;
     if (tvi_rigid_check(r) != TVI_OK) return jet_const(NAN);
-    for (int b = 0; b < r->bodies; b++)
-        for (int i = 0; i < r->axes; i++)
-            V = jet_sub(V, jet_mul(r->body[b].mass * r->gravity[i], q[tvi_rigid_layout(r, b).start + i]));
+    rigid_layout layout = {0};
+    for (int b = 0; b < r->bodies; b++) {
+        set_next_layout(r, b, &layout);
+        for (int i = 0; i < r->axes; i++) V = jet_sub(V, jet_mul(r->body[b].mass * r->gravity[i], q[layout.start + i]));
+    }
     return V;
 }
 
 void tvi_rigid_point(const tvi_rigid *r, const jet q[], int body, const double X[], jet x[])
 {
-    if (body != TVI_WORLD && !has_body(r, body)) return;
+    if (body == TVI_WORLD ? tvi_rigid_check(r) != TVI_OK : !has_body(r, body)) return;
     const jet_vector place = add_multiple(centre(r, q, body), jet_const(1), turned(r, q, body, X));
     for (int i = 0; i < r->axes; i++) x[i] = place.x[i];
 }
@@ -365,10 +374,11 @@ void tvi_rigid_torque(const tvi_rigid *r, const jet q[], int body, const jet tor
 /* Counts the constraints before joint `end`, or all. */
 static int constraints_before(const tvi_rigid *r, int end)
 {
+    rigid_layout layout = {0};
     int count = 0;
     for (int b = 0; b < r->bodies; b++) {
-        const int directors = tvi_rigid_layout(r, b).count;
-        count += directors * (directors + 1) / 2;
+        set_next_layout(r, b, &layout);
+        count += layout.count * (layout.count + 1) / 2;
         for (int k = 0; k < r->joints; k++) {
             if (!stands_behind(&r->joint[k], b)) continue;
             if (k == end) return count;
@@ -395,8 +405,9 @@ int tvi_rigid_dimension(const tvi_rigid *r)
 void tvi_rigid_masses(const tvi_rigid *r, double mass[])
 {
     if (tvi_rigid_check(r) != TVI_OK) return;
+    rigid_layout layout = {0};
     for (int b = 0; b < r->bodies; b++) {
-        const rigid_layout layout = tvi_rigid_layout(r, b);
+        set_next_layout(r, b, &layout);
         for (int i = 0; i < r->axes; i++) {
             mass[layout.start + i] = r->body[b].mass;
             for (int k = 0; k < 3; k++)

@@ -11,6 +11,7 @@ Suite *suite_states(void);
 Suite *suite_starts(void);
 Suite *suite_work(void);
 Suite *suite_steps(void);
+Suite *suite_runs(void);
 Suite *suite_joints(void);
 Suite *suite_rigid(void);
 Suite *suite_linkages(void);
@@ -38,8 +39,21 @@ enum { PENDULUM, DOUBLE_PENDULUM, OF_A_FORCE, BENT };
 /* The masses and the rods of the two pendulums, g. */
 static const double MASS[] = {2, 0.3}, ROD[] = {1.25, 0.75}, GRAVITY = 9.75;
 
+/* A state of a problem. */
+typedef struct {
+    double t, q[MOST_N], p[MOST_N];
+} state;
+
 /* End the test where they fail. */
 tvi_system *base_of(const problem *of);
 tvi_system *system_of(const problem *of);
+/* The state of the problem, put onto its constraints. */
+state start_of(const problem *of, const tvi_system *system);
+/* "galerkin" of this order, without a limit of the tail. */
+tvi_integrator *integrator_of_order(const tvi_system *system, int order);
+/* x becomes the state after `steps` steps over `duration`. */
+tvi_status make_run(const tvi_system *system, int order, double duration, long steps, state *x);
+/* The largest difference of two states' coordinates or momenta. */
+double distance(const problem *of, const state *x, const state *y);
 
 #endif

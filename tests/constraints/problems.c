@@ -2,6 +2,7 @@
 #include "constraints.h"
 
 #include <math.h>
+#include <string.h>
 
 /* ---- Constraints ------------------------------------------------------------------------------------------------- */
 
@@ -196,4 +197,40 @@ tvi_system *system_of(const problem *of)
     ck_assert_msg(status == TVI_OK, "%s: %s", of->name, tvi_last_error());
     tvi_system_free(base);
     return system;
+}
+
+state start_of(const problem *of, const tvi_system *system)
+{
+    state x = {.t = of->t};
+    memcpy(x.q, of->q, sizeof x.q);
+    memcpy(x.p, of->p, sizeof x.p);
+    const tvi_status status = tvi_project(system, x.t, x.q, x.p);
+    ck_assert_msg(status == TVI_OK, "%s: %s", of->name, tvi_last_error());
+    return x;
+}
+
+tvi_integrator *integrator_of_order(const tvi_system *system, int order)
+{
+    tvi_options options;
+    tvi_integrator *integrator;
+    ck_assert_int_eq(tvi_options_named("galerkin", order, &options), TVI_OK);
+    options.max_tail = -1;
+    ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
+    return integrator;
+}
+
+/* The state after `steps` steps to the time `duration`. */
+tvi_status make_run(const tvi_system *system, int order, double duration, long steps, state *x)
+{
+    tvi_integrator *integrator = integrator_of_order(system, order);
+    const tvi_status status = tvi_integrate(integrator, duration / (double)steps, steps, &x->t, x->q, x->p, NULL, NULL);
+    tvi_integrator_free(integrator);
+    return status;
+}
+
+double distance(const problem *of, const state *x, const state *y)
+{
+    double most = 0;
+    for (int i = 0; i < of->n; i++) most = fmax(most, fmax(fabs(x->q[i] - y->q[i]), fabs(x->p[i] - y->p[i])));
+    return most;
 }

@@ -6,19 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-typedef struct {
-    double t, q[MOST_N], p[MOST_N];
-} state;
-
-static state on_constraints(const problem *of, const tvi_system *system)
-{
-    state x = {.t = of->t};
-    memcpy(x.q, of->q, sizeof x.q);
-    memcpy(x.p, of->p, sizeof x.p);
-    ck_assert_int_eq(tvi_project(system, x.t, x.q, x.p), TVI_OK);
-    return x;
-}
-
 static tvi_integrator *integrator_of(const tvi_system *system, double max_tail)
 {
     tvi_integrator *it;
@@ -34,7 +21,7 @@ START_TEST(near_starts_are_put_right)
     const problem *of = &problems[_i];
     tvi_system *system = system_of(of);
     tvi_integrator *it = integrator_of(system, 0);
-    state x = on_constraints(of, system), start;
+    state x = start_of(of, system), start;
     double value[MOST_M], rate[MOST_M], far = 0;
     for (int i = 0; i < of->n; i++) {
         x.q[i] *= 1 + 1e-10 * (i + 1);
@@ -63,7 +50,7 @@ START_TEST(far_starts_are_refused)
     const problem *of = &problems[_i];
     tvi_system *system = system_of(of);
     tvi_integrator *it = integrator_of(system, 0);
-    const state on = on_constraints(of, system);
+    const state on = start_of(of, system);
     for (int in_p = 0; in_p <= 1; in_p++) {
         state x = on;
         for (int i = 0; i < of->n; i++) (in_p ? x.p : x.q)[i] *= 1 + 1e-3 * (i + 1);
@@ -96,7 +83,7 @@ START_TEST(texts_name_the_constraint)
     tvi_system *system = system_of(&problems[DOUBLE_PENDULUM]);
     tvi_integrator *it = integrator_of(system, 0);
     for (int k = 0; k < 2; k++) {
-        state x = on_constraints(&problems[DOUBLE_PENDULUM], system);
+        state x = start_of(&problems[DOUBLE_PENDULUM], system);
         for (int i = 0; i < 2; i++) {
             const double first = k == 0 ? x.q[i] * 1e-3 / ROD[0] : 0, second = (x.q[i + 2] - x.q[i]) * 1e-3 / ROD[1];
             x.q[i] += first;
@@ -114,7 +101,7 @@ START_TEST(failed_steps_leave_the_start)
 {
     tvi_system *system = system_of(&problems[BENT]);
     tvi_integrator *it = integrator_of(system, 1e-300);
-    state x = on_constraints(&problems[BENT], system);
+    state x = start_of(&problems[BENT], system);
     x.q[0] *= 1 + 1e-12;
     const state given = x;
     expect("a step that is too large", tvi_step(it, 0.1, &x.t, x.q, x.p), TVI_ETOOLARGE);
@@ -133,7 +120,7 @@ START_TEST(saved_starts)
     tvi_integrator *it = integrator_of(system, 0), *plain = integrator_of(base, 0);
     static char text[1 << 15];
     size_t size = sizeof text;
-    state x = on_constraints(&problems[PENDULUM], system), read = {0};
+    state x = start_of(&problems[PENDULUM], system), read = {0};
     x.q[0] *= 1 + 1e-12;
     ck_assert_int_eq(tvi_state_to_text(it, x.t, x.q, x.p, text, &size), TVI_OK);
     ck_assert_int_eq(tvi_state_from_text(it, text, size, &read.t, read.q, read.p), TVI_OK);

@@ -13,21 +13,6 @@ static void expect_close(const char *what, double is, double wanted, double with
                   fabs(is - wanted), within);
 }
 
-/* A state of a problem, moved onto the constraints. */
-typedef struct {
-    double q[MOST_N], p[MOST_N];
-} state;
-
-static state projected(const problem *of, const tvi_system *system)
-{
-    state x;
-    memcpy(x.q, of->q, sizeof x.q);
-    memcpy(x.p, of->p, sizeof x.p);
-    const tvi_status status = tvi_project(system, of->t, x.q, x.p);
-    ck_assert_msg(status == TVI_OK, "%s: %s", of->name, tvi_last_error());
-    return x;
-}
-
 /* ---- Projection -------------------------------------------------------------------------------------------------- */
 
 /* On the constraints to roundoff, and there it stays. */
@@ -35,7 +20,7 @@ START_TEST(projection_is_on_constraints)
 {
     const problem *of = &problems[_i];
     tvi_system *system = system_of(of);
-    const state x = projected(of, system);
+    const state x = start_of(of, system);
     double value[MOST_M], rate[MOST_M], far = 0;
     ck_assert_int_eq(tvi_constraint_values(system, of->t, of->q, of->p, value, rate), TVI_OK);
     for (int k = 0; k < of->m; k++) far = fmax(far, fmax(fabs(value[k]), fabs(rate[k])));
@@ -60,7 +45,7 @@ START_TEST(projection_of_pendulum)
 {
     const problem *of = &problems[PENDULUM];
     tvi_system *system = system_of(of);
-    const state x = projected(of, system);
+    const state x = start_of(of, system);
     const double size = hypot(of->q[0], of->q[1]), along[] = {of->q[0] / size, of->q[1] / size};
     const double across = along[0] * of->p[0] + along[1] * of->p[1];
     for (int i = 0; i < 2; i++) {
@@ -76,7 +61,7 @@ START_TEST(projection_goes_by_masses)
 {
     const problem *of = &problems[DOUBLE_PENDULUM];
     tvi_system *system = system_of(of);
-    const state x = projected(of, system);
+    const state x = start_of(of, system);
     double along = 0, moved = 0;
     for (int i = 0; i < 4; i++) {
         const double step = x.q[i] - of->q[i];
@@ -172,7 +157,7 @@ START_TEST(multiplier_of_pendulum)
 {
     const problem *of = &problems[PENDULUM];
     tvi_system *system = system_of(of);
-    const state x = projected(of, system);
+    const state x = start_of(of, system);
     double lambda, force[2];
     ck_assert_int_eq(tvi_multipliers(system, 0, x.q, x.p, &lambda, force), TVI_OK);
     const double m_v2 = (x.p[0] * x.p[0] + x.p[1] * x.p[1]) / MASS[0];
@@ -191,7 +176,7 @@ START_TEST(multipliers_of_double_pendulum)
 {
     const problem *of = &problems[DOUBLE_PENDULUM];
     tvi_system *system = system_of(of);
-    const state x = projected(of, system);
+    const state x = start_of(of, system);
     double lambda[2];
     ck_assert_int_eq(tvi_multipliers(system, 0, x.q, x.p, lambda, NULL), TVI_OK);
     const double u[] = {x.q[2] - x.q[0], x.q[3] - x.q[1]};
@@ -233,7 +218,7 @@ START_TEST(multipliers_by_differences)
 {
     const problem *of = &problems[_i];
     tvi_system *system = system_of(of);
-    const state x = projected(of, system);
+    const state x = start_of(of, system);
     static const double weight[] = {1, -8, 0, 8, -1}, h = 1e-3;
     double v[MOST_N], free_force[MOST_N], force[MOST_N], lambda[MOST_M];
     ck_assert_int_eq(tvi_velocity(system, of->t, x.q, x.p, v), TVI_OK);
@@ -264,7 +249,7 @@ static double multiplier_of(const problem *of)
 {
     double lambda[MOST_M];
     tvi_system *system = system_of(of);
-    const state x = projected(of, system);
+    const state x = start_of(of, system);
     ck_assert_int_eq(tvi_multipliers(system, of->t, x.q, x.p, lambda, NULL), TVI_OK);
     tvi_system_free(system);
     return lambda[0];

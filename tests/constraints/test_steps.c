@@ -1,5 +1,5 @@
 /* test_steps.c - Tests steps on constraints: their order, that states stay on the constraints, reversal, the symplectic
- * form, momenta, events, and results at times. */
+ * form, tangent maps, RATTLE, momenta. */
 #include "constraints.h"
 
 #include <float.h>
@@ -7,45 +7,6 @@
 #include <string.h>
 
 enum { MOST_STEPS = 1 << 12 };
-
-typedef struct {
-    double t, q[MOST_N], p[MOST_N];
-} state;
-
-static state start_of(const problem *of, const tvi_system *system)
-{
-    state x = {.t = of->t};
-    memcpy(x.q, of->q, sizeof x.q);
-    memcpy(x.p, of->p, sizeof x.p);
-    ck_assert_int_eq(tvi_project(system, x.t, x.q, x.p), TVI_OK);
-    return x;
-}
-
-static tvi_integrator *integrator_of(const tvi_system *system, int order)
-{
-    tvi_options options;
-    tvi_integrator *integrator;
-    ck_assert_int_eq(tvi_options_named("galerkin", order, &options), TVI_OK);
-    options.max_tail = -1;
-    ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
-    return integrator;
-}
-
-/* The state after `steps` steps to the time `duration`. */
-static tvi_status run(const tvi_system *system, int order, double duration, long steps, state *x)
-{
-    tvi_integrator *integrator = integrator_of(system, order);
-    const tvi_status status = tvi_integrate(integrator, duration / (double)steps, steps, &x->t, x->q, x->p, NULL, NULL);
-    tvi_integrator_free(integrator);
-    return status;
-}
-
-static double distance(const problem *of, const state *x, const state *y)
-{
-    double most = 0;
-    for (int i = 0; i < of->n; i++) most = fmax(most, fmax(fabs(x->q[i] - y->q[i]), fabs(x->p[i] - y->p[i])));
-    return most;
-}
 
 /* ---- Orders ------------------------------------------------------------------------------------------------------ */
 
@@ -60,11 +21,11 @@ START_TEST(orders)
     const state start = start_of(of, system);
     const double duration = 0.5;
     state end = start;
-    ck_assert_int_eq(run(system, 20, duration, 200, &end), TVI_OK);
+    ck_assert_int_eq(make_run(system, 20, duration, 200, &end), TVI_OK);
     double before = INFINITY, order = 0;
     for (long steps = 1; steps <= MOST_STEPS; steps *= 2) {
         state x = start;
-        if (run(system, 2 * nodes, duration, steps, &x) != TVI_OK) continue;
+        if (make_run(system, 2 * nodes, duration, steps, &x) != TVI_OK) continue;
         const double error = distance(of, &x, &end);
         if (error < 1e-13) break;
         if (before < 1e-3) order = log2(before / error);
@@ -89,7 +50,7 @@ START_TEST(states_stay_on_constraints)
     const problem *of = &problems[_i];
     tvi_system *system = system_of(of);
     state x = start_of(of, system);
-    tvi_integrator *integrator = integrator_of(system, 12);
+    tvi_integrator *integrator = integrator_of_order(system, 12);
     for (int step = 0; step < 200; step++) {
         ck_assert_int_eq(tvi_step(integrator, 0.01, &x.t, x.q, x.p), TVI_OK);
         state projected = x;
@@ -112,7 +73,7 @@ START_TEST(steps_are_reversible)
     tvi_system *system = system_of(of);
     const state start = start_of(of, system);
     state x = start, there;
-    tvi_integrator *integrator = integrator_of(system, 6);
+    tvi_integrator *integrator = integrator_of_order(system, 6);
     ck_assert_int_eq(tvi_integrate(integrator, 0.05, 20, &x.t, x.q, x.p, NULL, NULL), TVI_OK);
     there = x;
     ck_assert_int_eq(tvi_integrate(integrator, -0.05, 20, &x.t, x.q, x.p, NULL, NULL), TVI_OK);
@@ -153,7 +114,7 @@ START_TEST(steps_are_symplectic)
             ck_assert_int_eq(tvi_project(system, x->t, x->q, x->p), TVI_OK);
         }
     const double before = form_of(of, (const state(*)[2])near);
-    for (int k = 0; k < 4; k++) ck_assert_int_eq(run(system, 4, 0.2, 1, &near[k / 2][k % 2]), TVI_OK);
+    for (int k = 0; k < 4; k++) ck_assert_int_eq(make_run(system, 4, 0.2, 1, &near[k / 2][k % 2]), TVI_OK);
     const double size = 4 * DELTA * DELTA, after = form_of(of, (const state(*)[2])near);
     const double change = fabs(after - before) / size;
     if (strcmp(of->name, "driven pendulum") == 0) ck_assert_double_gt(change, 1e-3);
@@ -184,7 +145,7 @@ START_TEST(rattle)
         const long steps = 50 << k;
         const double h = 0.5 / (double)steps;
         ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
-        ck_assert_int_eq(run(system, 16, 0.5, 50, &end), TVI_OK);
+        ck_assert_int_eq(make_run(system, 16, 0.5, 50, &end), TVI_OK);
         ck_assert_int_eq(tvi_integrate(integrator, h, steps, &x.t, x.q, x.p, NULL, NULL), TVI_OK);
         error[k] = distance(of, &x, &end);
         state projected = x;
@@ -216,7 +177,7 @@ static state end_of_neighbour(const problem *of, const tvi_system *system, const
                               double delta)
 {
     state near = *x;
-    tvi_integrator *integrator = integrator_of(system, 8);
+    tvi_integrator *integrator = integrator_of_order(system, 8);
     for (int i = 0; i < of->n; i++) {
         near.q[i] += delta * D[2 * i];
         near.p[i] += delta * D[2 * (of->n + i)];
@@ -235,7 +196,7 @@ START_TEST(tangent_maps)
     const problem *of = &problems[_i];
     tvi_system *system = system_of(of);
     state x = start_of(of, system);
-    tvi_integrator *integrator = integrator_of(system, 8);
+    tvi_integrator *integrator = integrator_of_order(system, 8);
     double D[4 * MOST_N], start[4 * MOST_N];
     for (int i = 0; i < 4 * of->n; i++) D[i] = cos(1 + 3 * i);
     const tvi_status status = tvi_step_tangent(integrator, 0.03, &x.t, x.q, x.p, D, 2);
@@ -261,50 +222,6 @@ START_TEST(tangent_maps)
     ck_assert_int_eq(status, tvi_options_check(system, &options, NULL));
     tvi_integrator_free(integrator);
     tvi_system_free(system);
-}
-END_TEST
-
-/* ---- Forces that press on a constraint --------------------------------------------------------------------------- */
-
-static jet nothing(const jet q[], jet t, void *ctx)
-{
-    (void)t, (void)ctx;
-    return jet_mul(0, q[0]);
-}
-
-static void push(const jet q[], const jet v[], jet t, jet force[], void *ctx)
-{
-    (void)q, (void)v, (void)t;
-    force[0] = jet_const(*(const double *)ctx);
-    force[1] = jet_const(0.1);
-}
-
-static void on_axis(const jet q[], jet t, jet value[], void *ctx)
-{
-    (void)t, (void)ctx;
-    value[0] = q[0];
-}
-
-/* A bead on a line: however a force presses across it, the motion along it is the same. Both forms of equations. */
-START_TEST(pressed_beads)
-{
-    static const double presses[] = {1e-6, 1, 3.3, 1e6};
-    double press = presses[_i];
-    tvi_system *base, *driven, *system;
-    ck_assert_int_eq(tvi_system_potential(&base, 2, NULL, nothing, NULL), TVI_OK);
-    ck_assert_int_eq(tvi_system_driven(&driven, base, push, &press), TVI_OK);
-    ck_assert_int_eq(tvi_system_constrained(&system, driven, 1, on_axis, NULL), TVI_OK);
-    for (double h = 0.05; h > 1e-3; h /= 5) {
-        double t = 0, q[] = {0, 0}, p[] = {0, 1};
-        tvi_integrator *integrator = integrator_of(system, 16);
-        ck_assert_int_eq(tvi_integrate_to(integrator, h, 2, &t, q, p, NULL, NULL), TVI_OK);
-        ck_assert_double_eq_tol(q[1], 2.2, 1e-14);
-        ck_assert_double_le(fabs(q[0]), 1e-16 * (1 + press));
-        tvi_integrator_free(integrator);
-    }
-    tvi_system_free(system);
-    tvi_system_free(driven);
-    tvi_system_free(base);
 }
 END_TEST
 
@@ -335,7 +252,7 @@ START_TEST(momenta_are_kept)
     ck_assert_int_eq(tvi_system_potential(&base, 6, mass, spring, NULL), TVI_OK);
     ck_assert_int_eq(tvi_system_constrained(&system, base, 2, two_bonds, NULL), TVI_OK);
     ck_assert_int_eq(tvi_project(system, t, q, p), TVI_OK);
-    tvi_integrator *integrator = integrator_of(system, 6);
+    tvi_integrator *integrator = integrator_of_order(system, 6);
     for (int step = 0; step <= 400; step++) {
         double kept[3] = {0};
         for (int k = 0; k < 3; k++) {
@@ -354,71 +271,6 @@ START_TEST(momenta_are_kept)
 }
 END_TEST
 
-/* ---- Runs -------------------------------------------------------------------------------------------------------- */
-
-static int keep_state(long step, double t, const double q[], const double p[], void *ctx)
-{
-    state *x = ctx;
-    (void)step;
-    x->t = t;
-    memcpy(x->q, q, sizeof x->q);
-    memcpy(x->p, p, sizeof x->p);
-    return 0;
-}
-
-/* Results at a time between two steps, and of a run that ends there, are those of steps that fit. */
-START_TEST(results_at_times)
-{
-    const problem *of = &problems[_i];
-    tvi_system *system = system_of(of);
-    state x = start_of(of, system), to_time = x, seen = x, end = x;
-    tvi_integrator *integrator = integrator_of(system, 16);
-    const double when = of->t + 0.173;
-    ck_assert_int_eq(tvi_integrate_at(integrator, 0.02, &when, 1, &x.t, x.q, x.p, keep_state, &seen), TVI_OK);
-    ck_assert_int_eq(tvi_integrate_to(integrator, 0.02, when, &to_time.t, to_time.q, to_time.p, NULL, NULL), TVI_OK);
-    ck_assert_int_eq(run(system, 16, 0.173, 9, &end), TVI_OK);
-    ck_assert_double_le(distance(of, &seen, &end), 1e-12);
-    ck_assert_double_le(distance(of, &to_time, &end), 1e-12);
-    tvi_integrator_free(integrator);
-    tvi_system_free(system);
-}
-END_TEST
-
-static jet first_coordinate(const jet q[], const jet p[], jet t, void *ctx)
-{
-    (void)p, (void)t, (void)ctx;
-    return jet_sub(q[0], 0.5);
-}
-
-/* The pendulum passes x = 0.5 at times that do not depend on the step, on the constraint. */
-START_TEST(events_of_a_pendulum)
-{
-    const problem *of = &problems[PENDULUM];
-    tvi_system *system = system_of(of);
-    tvi_event *event;
-    double found[2];
-    ck_assert_int_eq(tvi_event_create(&event, of->n, TVI_EITHER, true, first_coordinate, NULL), TVI_OK);
-    for (int k = 0; k < 2; k++) {
-        state x = start_of(of, system);
-        double phi, rate;
-        tvi_integrator *integrator = integrator_of(system, 16);
-        const tvi_event *const events[] = {event};
-        ck_assert_int_eq(
-            tvi_integrate_events(integrator, k ? 0.05 : 0.031, 100, events, 1, &x.t, x.q, x.p, NULL, NULL, NULL),
-            TVI_ESTOPPED);
-        found[k] = x.t;
-        ck_assert_double_eq_tol(x.q[0], 0.5, 1e-14);
-        ck_assert_int_eq(tvi_constraint_values(system, x.t, x.q, x.p, &phi, &rate), TVI_OK);
-        ck_assert_double_le(fabs(phi), 1e-14);
-        ck_assert_double_le(fabs(rate), 1e-13);
-        tvi_integrator_free(integrator);
-    }
-    ck_assert_double_eq_tol(found[0], found[1], 1e-13);
-    tvi_event_free(event);
-    tvi_system_free(system);
-}
-END_TEST
-
 Suite *suite_steps(void)
 {
     Suite *suite = suite_create("steps");
@@ -432,11 +284,6 @@ Suite *suite_steps(void)
     tcase_add_loop_test(tcase, rattle, 0, problem_count);
     tcase_add_test(tcase, momenta_are_kept);
     tcase_add_loop_test(tcase, tangent_maps, 0, problem_count);
-    tcase_add_loop_test(tcase, pressed_beads, 0, 4);
-    suite_add_tcase(suite, tcase);
-    tcase = tcase_create("runs");
-    tcase_add_loop_test(tcase, results_at_times, 0, problem_count);
-    tcase_add_test(tcase, events_of_a_pendulum);
     suite_add_tcase(suite, tcase);
     return suite;
 }

@@ -400,13 +400,13 @@ def hamiltonian(n: int, H: Callable, **parameters: Any) -> System:
 def constrained(system: System, function: Callable, **parameters: Any) -> System:
     """The same system on the constraints phi = 0: pendulums, rods, chains, linkages (docs/constraints.md).
 
-    function(q) or function(q, t) returns a list of m jets phi, 0 < m < n, in any units; it is called once to count
-    them, and once to record them. parameters by keyword: those of the system that it names, and new ones, with their
-    values. Steps of "galerkin" find the forces of constraint, -sum lambda_k dphi_k/dq. q and p keep their n numbers,
+    function(q) or function(q, t) returns a list of m jets phi, 0 < m < n, in any units; if m > 1 it is called once
+    to count them, and once to record them. parameters by keyword: those of the system that it names, and new ones,
+    with their values. Steps find the forces of constraint, -sum lambda_k dphi_k/dq. q and p keep their n numbers,
     and p stays M v. A run begins on the constraints, to half of the digits; System.project moves other states onto
-    them. Results have phi, multipliers and constraint_force. Tangents are of potentials and forces; rescaled and
-    compiled steps do not serve. Raises tvi.Error: EINVAL for m out of range and a phi_k that is a number or depends
-    on t alone, EUNSUPPORTED for a system that is rescaled, or constrained already.
+    them. Results have phi, multipliers and constraint_force. Tangents are of "galerkin", and of potentials and
+    forces; rescaled and compiled steps do not serve. Raises tvi.Error: EINVAL for m out of range and a phi_k that
+    is a number or depends on t alone, EUNSUPPORTED for a system that is rescaled, or constrained already.
 
     >>> import tvi
     >>> pendulum = tvi.constrained(tvi.potential(2, lambda q: 9.8 * q[1]), lambda q: [(q @ q - 1) / 2])
