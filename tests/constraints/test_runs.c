@@ -125,13 +125,18 @@ END_TEST
 
 /* ---- Runs -------------------------------------------------------------------------------------------------------- */
 
+typedef struct {
+    int n;
+    state x;
+} seen_state;
+
 static int keep_state(long step, double t, const double q[], const double p[], void *ctx)
 {
-    state *x = ctx;
+    seen_state *seen = ctx;
     (void)step;
-    x->t = t;
-    memcpy(x->q, q, sizeof x->q);
-    memcpy(x->p, p, sizeof x->p);
+    seen->x.t = t;
+    memcpy(seen->x.q, q, (size_t)seen->n * sizeof *q);
+    memcpy(seen->x.p, p, (size_t)seen->n * sizeof *p);
     return 0;
 }
 
@@ -140,13 +145,14 @@ START_TEST(results_at_times)
 {
     const problem *of = &problems[_i];
     tvi_system *system = system_of(of);
-    state x = start_of(of, system), to_time = x, seen = x, end = x;
+    state x = start_of(of, system), to_time = x, end = x;
+    seen_state seen = {of->n, x};
     tvi_integrator *integrator = integrator_of_order(system, 16);
     const double when = of->t + 0.173;
     ck_assert_int_eq(tvi_integrate_at(integrator, 0.02, &when, 1, &x.t, x.q, x.p, keep_state, &seen), TVI_OK);
     ck_assert_int_eq(tvi_integrate_to(integrator, 0.02, when, &to_time.t, to_time.q, to_time.p, NULL, NULL), TVI_OK);
     ck_assert_int_eq(make_run(system, 16, 0.173, 9, &end), TVI_OK);
-    ck_assert_double_le(distance(of, &seen, &end), 1e-12);
+    ck_assert_double_le(distance(of, &seen.x, &end), 1e-12);
     ck_assert_double_le(distance(of, &to_time, &end), 1e-12);
     tvi_integrator_free(integrator);
     tvi_system_free(system);
