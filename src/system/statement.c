@@ -1,40 +1,10 @@
-/* statement.c - Creates systems, also lifts, whose tangents move with the motion: calls the user's function on jets,
- * which record its operations, brings the recording into a form of tvi_form, and creates the tapes for the steppers. */
-#include "system/system.h"
-#include "system/constraint.h"
+/* statement.c - Creates systems: calls the user's function on jets, which record its operations, brings the recording
+ * into a form of tvi_form, and creates the tapes for the steppers (statement.h). */
+#include "system/statement.h"
 #include "system/legendre.h"
 #include "system/refuse.h"
 
 #include <stdlib.h>
-
-/* The user's statement of a system. Exactly one of the first six functions, `copied` and `base` is set. */
-typedef struct {
-    tvi_force_fn *force;
-    tvi_potential_fn *potential;
-    tvi_lagrangian_fn *lagrangian;
-    tvi_hamiltonian_fn *hamiltonian;
-    tvi_factors_fn *hamiltonian_factors;
-    tvi_rates_fn *rates;
-    const tvi_system *copied; /* The system that is recorded once more (tvi_system_copy). */
-    const double *mass;
-    void *ctx;
-    const tvi_system *base;            /* The system whose lift is created (tvi_system_create_lift). */
-    bool makes_lift_momenta_conjugate; /* The momenta of the lift become conjugate to its coordinates. */
-    tvi_drive_fn *drive;               /* The forces of a driven Hamiltonian or Lagrangian; NULL: there are none. */
-    void *drive_ctx;
-} system_statement;
-
-/* A system whose recording is open. All jets belong to its graph. */
-typedef struct {
-    tvi_system *system;
-    /* Inputs of the graph: coordinates; velocities or momenta; the vector r of the gradient of r.H_p, which truncated
-     * nodes need; time. */
-    jet *q, *v, *r, t;
-    jet user_function;       /* The user's V, L or H. */
-    jet *field;              /* [2n] The field, which belongs to the system. */
-    jet *r_dot_H_p_gradient; /* [2n] The gradient of r.H_p. */
-    jet *field_and_hessian;  /* [2n + hessian.entry_count] The field, and then the second derivatives. */
-} system_recording;
 
 /* Returns the name of the user's function, for texts of refusals. */
 static const char *user_function_name(const system_statement *statement)
@@ -48,7 +18,7 @@ static const char *user_function_name(const system_statement *statement)
 static tvi_status begin_recording(system_recording *recording, int n, const system_statement *statement)
 {
     const bool general = statement->lagrangian || statement->hamiltonian || statement->hamiltonian_factors ||
-                         statement->rates || statement->makes_lift_momenta_conjugate ||
+                         statement->rates || statement->has_velocities ||
                          (statement->copied && jet_graph_input_count(statement->copied->record.graph) > n + 1);
     const size_t count = (size_t)n, padded_count = tvi_padded_vector_count(n);
     tvi_system *system = recording->system = calloc(1, sizeof *system);
@@ -162,8 +132,7 @@ static tvi_status record_lagrangian(system_recording *recording, const system_st
     return tvi_hessian_record(system, &recording->field_and_hessian);
 }
 
-/* Records the gradient of r.H_p. */
-static tvi_status record_r_dot_H_p_gradient(system_recording *recording)
+tvi_status tvi_record_r_dot_H_p_gradient(system_recording *recording)
 {
     tvi_system *system = recording->system;
     const int n = system->n;
@@ -182,7 +151,7 @@ static tvi_status record_factored_hamiltonian(system_recording *recording, const
     system->form = TVI_HAMILTONIAN;
     tvi_status status = record_full_gradient(recording, &recording->user_function, recording->field);
     if (status == TVI_OK) status = tvi_record_hessian_of_factored_H(system, factor, &recording->field_and_hessian);
-    return status == TVI_OK ? record_r_dot_H_p_gradient(recording) : status;
+    return status == TVI_OK ? tvi_record_r_dot_H_p_gradient(recording) : status;
 }
 
 /* Records the field (H_q, H_p). The system is separable if H_p = M^-1 p and H_q does not depend on p; then F = -H_q
@@ -201,7 +170,7 @@ static tvi_status record_hamiltonian(system_recording *recording, const system_s
     for (int i = 0; i < n && system->has_masses; i++) system->mass[i] = 1 / system->mass[i];
     if (separable) return record_force(recording);
     system->form = TVI_HAMILTONIAN;
-    return record_r_dot_H_p_gradient(recording);
+    return tvi_record_r_dot_H_p_gradient(recording);
 }
 
 /* Records the rates (q', p') in the order of a Hamiltonian's field, (-p', q'). */
@@ -246,94 +215,14 @@ static tvi_status record_copy(system_recording *recording, const system_statemen
     if (base->energy.tape && jet_graph_check_outputs(system->record.graph, 1, &recording->user_function) != TVI_OK)
         return TVI_ENOMEM;
     return system->form == TVI_LAGRANGIAN    ? tvi_hessian_record(system, &recording->field_and_hessian)
-           : system->form == TVI_HAMILTONIAN ? record_r_dot_H_p_gradient(recording)
+           : system->form == TVI_HAMILTONIAN ? tvi_record_r_dot_H_p_gradient(recording)
                                              : TVI_OK;
-}
-
-/* ---- The lift ---------------------------------------------------------------------------------------------------- */
-
-/* For each input i of the base (the system that is lifted), sets the jet of the lift's graph that stands for the input,
- * input[i], and the jet for the input's component of the tangent vector, direction[i]. */
-static void set_lift_inputs(const system_recording *recording, const tvi_system *base, jet input[], jet direction[])
-{
-    const int n = base->n, inputs = jet_graph_input_count(base->record.graph), time = inputs == n + 1 ? n : 2 * n;
-    const bool momenta = recording->system->form != TVI_SEPARABLE && recording->system->form != TVI_LAGRANGIAN;
-    for (int i = 0; i < inputs; i++) input[i] = direction[i] = jet_make_unset_poison();
-    for (int i = 0; i < n; i++) {
-        input[i] = recording->q[i];
-        direction[i] = recording->q[n + i];
-        if (base->form == TVI_SEPARABLE) continue;
-        input[n + i] = recording->v[momenta ? n + i : i];
-        direction[n + i] = recording->v[momenta ? i : n + i];
-    }
-    input[time] = recording->t;
-    direction[time] = jet_const(0);
-}
-
-/* Sets the field of the lift from the field of the base (`value`) and its derivative along the tangent vector (`rate`),
- * here written '. The field of the lift is ((H_q)', H_q) and (H_p, (H_p)') for a Hamiltonian, and ((L_q)', L_q) and
- * ((L_v)', L_v) for a Lagrangian. A separable base has H_q = -F and H_p = M^-1 p. A separable lift has F and F'. */
-static void set_lift_field(system_recording *recording, const tvi_system *base, const jet value[], const jet rate[])
-{
-    const int n = base->n;
-    const bool separable = base->form == TVI_SEPARABLE, swaps = base->form == TVI_LAGRANGIAN;
-    jet *field = recording->field;
-    for (int i = 0; i < n; i++) {
-        const bool paired = recording->system->form != TVI_SEPARABLE;
-        field[i] = !paired ? value[i] : separable ? jet_neg(rate[i]) : rate[i];
-        field[n + i] = !paired ? rate[i] : separable ? jet_neg(value[i]) : value[i];
-        if (!paired) continue;
-        const jet first = separable ? jet_div(recording->v[n + i], base->mass[i]) : value[n + i];
-        const jet second = separable ? jet_div(recording->v[i], base->mass[i]) : rate[n + i];
-        field[2 * n + i] = swaps ? second : first;
-        field[3 * n + i] = swaps ? first : second;
-    }
-}
-
-/* Records the lift's own parameters, the components of the tangent vector that belong to the base's parameters. */
-static void record_lift_parameter_directions(const system_recording *recording, int parameter_count, jet direction[])
-{
-    for (int i = 0; i < parameter_count; i++)
-        direction[i] = jet_graph_record_parameter(recording->system->record.graph, parameter_count + i, 0);
-}
-
-static tvi_status record_field_of_tangent_lift(system_recording *recording, const system_statement *statement)
-{
-    const tvi_system *base = statement->base;
-    tvi_system *system = recording->system;
-    jet_graph *graph = system->record.graph;
-    const int parameters = tvi_system_parameters(base);
-    system->is_regular = base->is_regular;
-    system->has_masses = !statement->makes_lift_momenta_conjugate;
-    if (!system->has_masses) system->form = base->form == TVI_SEPARABLE ? TVI_HAMILTONIAN : base->form;
-    for (int i = 0; i < system->n; i++) system->mass[i] = base->mass[i % base->n];
-    const size_t inputs = (size_t)jet_graph_input_count(base->record.graph), outputs = (size_t)base->input_count;
-    jet *jets = malloc((2 * (inputs + outputs) + (size_t)parameters) * sizeof *jets);
-    if (!jets) return TVI_ENOMEM;
-    jet *input = jets, *direction = input + inputs, *value = direction + inputs, *rate = value + outputs;
-    jet *parameter_direction = rate + outputs;
-    set_lift_inputs(recording, base, input, direction);
-    record_lift_parameter_directions(recording, parameters, parameter_direction);
-    bool lifted = jet_record_forward_derivatives(base->record.graph, graph, input, direction, parameter_direction,
-                                                 base->input_count, base->record.field, value, rate);
-    if (lifted) set_lift_field(recording, base, value, rate);
-    /* The Hamiltonian of the lift is the derivative of the base's H along the tangent vector. */
-    if (lifted && base->form == TVI_HAMILTONIAN)
-        lifted = jet_record_forward_derivatives(base->record.graph, graph, input, direction, parameter_direction, 1,
-                                                &base->record.user_function, value, &recording->user_function);
-    free(jets);
-    if (!lifted) return TVI_ENOMEM;
-    if (base->form == TVI_HAMILTONIAN && jet_graph_check_outputs(graph, 1, &recording->user_function) != TVI_OK)
-        return TVI_ENOMEM;
-    return system->form == TVI_HAMILTONIAN  ? record_r_dot_H_p_gradient(recording)
-           : system->form == TVI_LAGRANGIAN ? tvi_hessian_record(system, &recording->field_and_hessian)
-                                            : TVI_OK;
 }
 
 static tvi_status record_statement(system_recording *recording, const system_statement *statement)
 {
     recording->system->energy.sign = 1;
-    if (statement->base) return record_field_of_tangent_lift(recording, statement);
+    if (statement->record) return statement->record(recording, statement);
     if (statement->lagrangian) return record_lagrangian(recording, statement);
     if (statement->hamiltonian_factors) return record_factored_hamiltonian(recording, statement);
     if (statement->hamiltonian) return record_hamiltonian(recording, statement);
@@ -367,9 +256,7 @@ static tvi_status create_tapes(system_recording *recording, const system_stateme
         if (!system->r_dot_Hp_values) return TVI_ENOMEM;
     }
     if (tvi_hessian_create_tape(system, recording->field_and_hessian) != TVI_OK) return TVI_ENOMEM;
-    if (statement->force || statement->rates || (statement->base && statement->base->form != TVI_HAMILTONIAN) ||
-        (statement->copied && !statement->copied->energy.tape))
-        return TVI_OK;
+    if (!recording->user_function.node) return TVI_OK;
     system->energy.input_count = statement->potential ? n
                                  : statement->copied  ? statement->copied->energy.input_count
                                                       : 2 * n;
@@ -379,15 +266,14 @@ static tvi_status create_tapes(system_recording *recording, const system_stateme
     return system->energy.tape ? TVI_OK : TVI_ENOMEM;
 }
 
-/* Records a valid statement, and creates its tapes. */
-static tvi_status record_system_and_tapes(tvi_system **out, int n, const system_statement *statement)
+tvi_status tvi_system_record(tvi_system **out, int n, const system_statement *statement)
 {
     *out = NULL;
     system_recording recording = {0};
     tvi_status status = begin_recording(&recording, n, statement);
     if (status == TVI_OK) status = record_statement(&recording, statement);
     if (status == TVI_OK) status = create_tapes(&recording, statement);
-    if (status == TVI_OK && !statement->base && !statement->rates)
+    if (status == TVI_OK && !statement->record && !statement->rates)
         status = tvi_legendre_test_regularity(recording.system);
     free(recording.q);
     free(recording.r_dot_H_p_gradient);
@@ -407,21 +293,7 @@ static tvi_status create_system_from_statement(tvi_system **out, int n, const sy
         !statement->hamiltonian_factors && !statement->rates)
         return jet_refuse(TVI_EINVAL, "the function is NULL");
     const tvi_status status = tvi_refuse_masses(n, statement->mass);
-    return status == TVI_OK ? record_system_and_tapes(out, n, statement) : status;
-}
-
-tvi_status tvi_system_create_lift(tvi_system **out, const tvi_system *system, tvi_lift lift)
-{
-    const bool is_paired = system->form != TVI_SEPARABLE || lift == TVI_LIFT_PAIRED;
-    tvi_status status = record_system_and_tapes(
-        out, 2 * system->n, &(system_statement){.base = system, .makes_lift_momenta_conjugate = is_paired});
-    if (status != TVI_OK || !system->constraints) return status;
-    status = tvi_constraints_create_lift(&(*out)->constraints, system);
-    (*out)->subsystems.count = (*out)->tail.subsystems.count = 1;
-    if (status == TVI_OK) return TVI_OK;
-    tvi_system_free(*out);
-    *out = NULL;
-    return jet_explain_out_of_memory(status);
+    return status == TVI_OK ? tvi_system_record(out, n, statement) : status;
 }
 
 tvi_status tvi_system_create_from_rates(tvi_system **out, int n, tvi_rates_fn *rates, void *ctx)
@@ -431,7 +303,7 @@ tvi_status tvi_system_create_from_rates(tvi_system **out, int n, tvi_rates_fn *r
 
 tvi_status tvi_system_copy(tvi_system **out, const tvi_system *system)
 {
-    return record_system_and_tapes(out, system->n, &(system_statement){.copied = system});
+    return tvi_system_record(out, system->n, &(system_statement){.copied = system});
 }
 
 tvi_status tvi_system_force(tvi_system **out, int n, const double mass[], tvi_force_fn *force, void *ctx)

@@ -1,0 +1,99 @@
+/* lift.c - Records the lift of a system, whose tangents move with the motion (docs/method.md section 10): its field,
+ * and the derivative of the field along a tangent vector, by forward accumulation (ad/lift.c). */
+#include "system/statement.h"
+#include "system/constraint.h"
+#include "system/refuse.h"
+
+#include <stdlib.h>
+
+/* For each input i of the base (the system that is lifted), sets the jet of the lift's graph that stands for the input,
+ * input[i], and the jet for the input's component of the tangent vector, direction[i]. */
+static void set_lift_inputs(const system_recording *recording, const tvi_system *base, jet input[], jet direction[])
+{
+    const int n = base->n, inputs = jet_graph_input_count(base->record.graph), time = inputs == n + 1 ? n : 2 * n;
+    const bool momenta = recording->system->form != TVI_SEPARABLE && recording->system->form != TVI_LAGRANGIAN;
+    for (int i = 0; i < inputs; i++) input[i] = direction[i] = jet_make_unset_poison();
+    for (int i = 0; i < n; i++) {
+        input[i] = recording->q[i];
+        direction[i] = recording->q[n + i];
+        if (base->form == TVI_SEPARABLE) continue;
+        input[n + i] = recording->v[momenta ? n + i : i];
+        direction[n + i] = recording->v[momenta ? i : n + i];
+    }
+    input[time] = recording->t;
+    direction[time] = jet_const(0);
+}
+
+/* Sets the field of the lift from the field of the base (`value`) and its derivative along the tangent vector (`rate`),
+ * here written '. The field of the lift is ((H_q)', H_q) and (H_p, (H_p)') for a Hamiltonian, and ((L_q)', L_q) and
+ * ((L_v)', L_v) for a Lagrangian. A separable base has H_q = -F and H_p = M^-1 p. A separable lift has F and F'. */
+static void set_lift_field(system_recording *recording, const tvi_system *base, const jet value[], const jet rate[])
+{
+    const int n = base->n;
+    const bool separable = base->form == TVI_SEPARABLE, swaps = base->form == TVI_LAGRANGIAN;
+    jet *field = recording->field;
+    for (int i = 0; i < n; i++) {
+        const bool paired = recording->system->form != TVI_SEPARABLE;
+        field[i] = !paired ? value[i] : separable ? jet_neg(rate[i]) : rate[i];
+        field[n + i] = !paired ? rate[i] : separable ? jet_neg(value[i]) : value[i];
+        if (!paired) continue;
+        const jet first = separable ? jet_div(recording->v[n + i], base->mass[i]) : value[n + i];
+        const jet second = separable ? jet_div(recording->v[i], base->mass[i]) : rate[n + i];
+        field[2 * n + i] = swaps ? second : first;
+        field[3 * n + i] = swaps ? first : second;
+    }
+}
+
+/* Records the lift's own parameters, the components of the tangent vector that belong to the base's parameters. */
+static void record_lift_parameter_directions(const system_recording *recording, int parameter_count, jet direction[])
+{
+    for (int i = 0; i < parameter_count; i++)
+        direction[i] = jet_graph_record_parameter(recording->system->record.graph, parameter_count + i, 0);
+}
+
+static tvi_status record_lift(system_recording *recording, const system_statement *statement)
+{
+    const tvi_system *base = statement->base;
+    tvi_system *system = recording->system;
+    jet_graph *graph = system->record.graph;
+    const int parameters = tvi_system_parameters(base);
+    system->is_regular = base->is_regular;
+    system->has_masses = !statement->has_velocities;
+    if (!system->has_masses) system->form = base->form == TVI_SEPARABLE ? TVI_HAMILTONIAN : base->form;
+    for (int i = 0; i < system->n; i++) system->mass[i] = base->mass[i % base->n];
+    const size_t inputs = (size_t)jet_graph_input_count(base->record.graph), outputs = (size_t)base->input_count;
+    jet *jets = malloc((2 * (inputs + outputs) + (size_t)parameters) * sizeof *jets);
+    if (!jets) return TVI_ENOMEM;
+    jet *input = jets, *direction = input + inputs, *value = direction + inputs, *rate = value + outputs;
+    jet *parameter_direction = rate + outputs;
+    set_lift_inputs(recording, base, input, direction);
+    record_lift_parameter_directions(recording, parameters, parameter_direction);
+    bool lifted = jet_record_forward_derivatives(base->record.graph, graph, input, direction, parameter_direction,
+                                                 base->input_count, base->record.field, value, rate);
+    if (lifted) set_lift_field(recording, base, value, rate);
+    /* The Hamiltonian of the lift is the derivative of the base's H along the tangent vector. */
+    if (lifted && base->form == TVI_HAMILTONIAN)
+        lifted = jet_record_forward_derivatives(base->record.graph, graph, input, direction, parameter_direction, 1,
+                                                &base->record.user_function, value, &recording->user_function);
+    free(jets);
+    if (!lifted) return TVI_ENOMEM;
+    if (base->form == TVI_HAMILTONIAN && jet_graph_check_outputs(graph, 1, &recording->user_function) != TVI_OK)
+        return TVI_ENOMEM;
+    return system->form == TVI_HAMILTONIAN  ? tvi_record_r_dot_H_p_gradient(recording)
+           : system->form == TVI_LAGRANGIAN ? tvi_hessian_record(system, &recording->field_and_hessian)
+                                            : TVI_OK;
+}
+
+tvi_status tvi_system_create_lift(tvi_system **out, const tvi_system *system, tvi_lift lift)
+{
+    const bool is_paired = system->form != TVI_SEPARABLE || lift == TVI_LIFT_PAIRED;
+    tvi_status status = tvi_system_record(
+        out, 2 * system->n, &(system_statement){.record = record_lift, .base = system, .has_velocities = is_paired});
+    if (status != TVI_OK || !system->constraints) return status;
+    status = tvi_constraints_create_lift(&(*out)->constraints, system);
+    (*out)->subsystems.count = (*out)->tail.subsystems.count = 1;
+    if (status == TVI_OK) return TVI_OK;
+    tvi_system_free(*out);
+    *out = NULL;
+    return jet_explain_out_of_memory(status);
+}
