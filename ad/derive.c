@@ -95,13 +95,17 @@ static void propagate_adjoint_to_operands(adjoint_lists *lists, struct jet_node 
     if (z->b) add_adjoint_contribution(lists, z->b, jet_mul(factor, rule->record_pullback(z, zbar, 1)));
 }
 
-bool jet_record_gradient(jet_graph *graph, jet output, int input_count, jet gradient[])
+bool jet_record_gradient_by(jet_graph *graph, jet output, int input_count, jet gradient[], int parameter_count,
+                            jet by_parameter[])
 {
     for (int i = 0; i < input_count; i++) gradient[i] = jet_const(0);
+    for (int i = 0; i < parameter_count; i++) by_parameter[i] = jet_const(0);
     if (!output.node) return true;
     if (output.node->graph !=
         graph) { /* If the output is poison or belongs to another recording, the gradient is poison. */
-        for (int i = 0; i < input_count; i++) gradient[i] = output.node->graph ? jet_make_unset_poison() : output;
+        const jet poison = output.node->graph ? jet_make_unset_poison() : output;
+        for (int i = 0; i < input_count; i++) gradient[i] = poison;
+        for (int i = 0; i < parameter_count; i++) by_parameter[i] = poison;
         return true;
     }
     adjoint_lists lists = {0};
@@ -113,8 +117,11 @@ bool jet_record_gradient(jet_graph *graph, jet output, int input_count, jet grad
     for (int i = count - 1; i >= 0 && !lists.is_out_of_memory; i--) {
         if (lists.newest_contribution_index[i] < 0) continue;
         const jet zbar = sum_adjoint_contributions(&lists, i);
+        struct jet_node *node = jet_graph_node_at(graph, i);
         if (i < input_count) gradient[i] = zbar;
-        if (!lists.is_out_of_memory) propagate_adjoint_to_operands(&lists, jet_graph_node_at(graph, i), zbar);
+        if (node->op == OP_PARAMETER && node->parameter_index < parameter_count)
+            by_parameter[node->parameter_index] = zbar;
+        if (!lists.is_out_of_memory) propagate_adjoint_to_operands(&lists, node, zbar);
     }
     free(lists.contributions);
     free(lists.newest_contribution_index);

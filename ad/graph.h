@@ -172,9 +172,15 @@ jet jet_record_operation(jet_op op, jet a, jet b);
 
 /* Records the sum of coefficient[i] x[i]. Terms with equal nodes are merged, and numbers are added up. */
 jet jet_record_linear_combination(int count, const double coefficient[], const jet x[]);
-/* Records gradient[i] = d output / d input_i, i < input_count, into the open graph of the output, by reverse
- * accumulation. The gradient is poison if the output is no jet of the graph. Returns false if memory is lacking. */
-bool jet_record_gradient(jet_graph *graph, jet output, int input_count, jet gradient[]);
+/* Records gradient[i] = d output / d input_i, i < input_count, and by_parameter[i] = d output / d parameter i, i <
+ * parameter_count, into the open graph of the output, by reverse accumulation. The gradients are poison if the output
+ * is no jet of the graph. Returns false if memory is lacking. */
+bool jet_record_gradient_by(jet_graph *graph, jet output, int input_count, jet gradient[], int parameter_count,
+                            jet by_parameter[]);
+static inline bool jet_record_gradient(jet_graph *graph, jet output, int input_count, jet gradient[])
+{
+    return jet_record_gradient_by(graph, output, input_count, gradient, 0, NULL);
+}
 
 /* Records outputs of the closed graph `source` once more into the open graph `target`. The jets `input`, which are all
  * different, take the place of the inputs. value[i] is output i. derivative[i] is its derivative by forward

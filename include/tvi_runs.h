@@ -163,6 +163,7 @@ typedef struct {
     void *ctx;                    /* of all observers */
     double largest_step;          /* no step to a tolerance is larger; 0: no limit */
     tvi_member_observer *at_step; /* called after each step of a member, with 1.. (INT_MAX from there on) */
+    struct tvi_record *record;    /* what the run leaves behind for gradients (tvi_gradient.h); not in an ensemble */
     size_t size;                  /* sizeof(tvi_run_plan), or 0: that of the first version that had it */
 } tvi_run_plan;
 
@@ -230,5 +231,6 @@ TVI_NODISCARD tvi_status tvi_suggest_step(const tvi_system *system, const tvi_op
 #pragma GCC visibility pop
 #endif
 #include "tvi_ensemble.h"
+#include "tvi_gradient.h"
 
 #endif

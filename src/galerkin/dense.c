@@ -83,6 +83,15 @@ void tvi_galerkin_sample(void *self, const tvi_component_range used[2], const do
                    work->polynomials.twice_to_samples, q_start, p_start, q, p);
 }
 
+int tvi_galerkin_quadrature(const void *self, double theta[], double b[])
+{
+    const galerkin_coefficients *coefficients = &((const galerkin_work *)self)->coefficients;
+    const int count = coefficients->node_count;
+    memcpy(theta, coefficients->c, (size_t)count * sizeof *theta);
+    memcpy(b, coefficients->b, (size_t)count * sizeof *b);
+    return count;
+}
+
 /* The polynomial through the forces is sum_j l_j F_j, with h b_j F_j = L_j. Legendre's polynomials are 1 at the end of
  * a step, and 1 or -1 at its start. */
 int tvi_galerkin_curve_forces(const void *self, double *forces)

@@ -316,6 +316,7 @@ const tvi_stepper tvi_stepper_galerkin = {.allocate = allocate_work,
                                           .compute_curve_forces = tvi_galerkin_curve_forces,
                                           .interpolate = tvi_galerkin_interpolate,
                                           .sample = tvi_galerkin_sample,
+                                          .quadrature = tvi_galerkin_quadrature,
                                           .is_superconvergent = true,
                                           .is_history_valid = is_history_valid,
                                           .list_tapes = list_tapes};

@@ -176,6 +176,10 @@ typedef struct {
     /* Computes forces [n][TVI_FORCE_POINTS], the derivatives p' of the last step's curve by the variable of the steps:
      * at its start, at its end, and then at its nodes. Returns the number of points. NULL: the stepper has no nodes. */
     int (*compute_curve_forces)(const void *work, double *forces);
+    /* Sets the nodes theta [TVI_MAX_NODES], as fractions of a step, and the weights b of the method's own quadrature,
+     * and returns their number. Integrals of the adjoint system by it are exact derivatives of a step
+     * (system/adjoint.h). NULL: the steps of the adjoint system are not the derivatives of the steps. */
+    int (*quadrature)(const void *work, double theta[], double b[]);
     /* If the degree is more than 1, the errors of the state at the end of a step, and of its derivative by the step
      * size, are of the size of the squared tail. */
     bool is_superconvergent;

@@ -241,9 +241,19 @@ static tvi_tapes_of_steps list_tapes(const tvi_system *system, const tvi_options
     return (tvi_tapes_of_steps){.value_tape_emission = {.name_prefix = "tvi_values", .value_lane_counts = {1}}};
 }
 
+/* The forces at both ends of a step. */
+static int quadrature(const void *work, double theta[], double b[])
+{
+    (void)work;
+    theta[0] = 0, theta[1] = 1;
+    b[0] = b[1] = 0.5;
+    return 2;
+}
+
 static const tvi_stepper stepper = {.allocate = allocate,
                                     .step = step,
                                     .interpolate = interpolate,
+                                    .quadrature = quadrature,
                                     .bound_energy_change = bound_energy_change,
                                     .compute_phase = compute_phase,
                                     .stable_phase = 2,

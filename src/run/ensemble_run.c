@@ -118,6 +118,8 @@ tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_ensemble_plan *pla
                                              (const char *const[]){"ensemble", "t", "q", "p", "status"});
     tvi_status checked = tvi_ensemble_refuse_if_running(ensemble);
     if (checked == TVI_OK) checked = tvi_plan_check(ensemble->workers->integrator, plan);
+    if (checked == TVI_OK && plan->record)
+        checked = jet_refuse(TVI_EUNSUPPORTED, "an ensemble has no record: gradients are for integrators");
     if (checked != TVI_OK) return checked;
     const tvi_status provided = allocate_tangents(ensemble, plan->columns);
     if (provided != TVI_OK) return provided;

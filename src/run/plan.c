@@ -56,6 +56,8 @@ tvi_status tvi_plan_check(const tvi_integrator *it, const tvi_run_plan *plan)
     if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
     if (!isfinite(plan->h)) return jet_refuse(TVI_EINVAL, "h = %g is not finite", plan->h);
     if (!tvi_events_match_dimension(it->system->n, plan->events, plan->event_count)) return TVI_EINVAL;
+    if (plan->record && plan->tolerance != 0)
+        return jet_refuse(TVI_EUNSUPPORTED, "a record is for runs in steps of size h, not to a tolerance");
     return plan->tolerance != 0 ? check_tolerance(it, plan->tolerance) : TVI_OK;
 }
 

@@ -1,6 +1,7 @@
 /* run.c - Runs an integrator by a plan (tvi_run): makes step after step, and reports what lies in each to the observers
  * (run.h). */
 #include "run/end.h"
+#include "run/record.h"
 #include "run/run.h"
 #include "run/times.h"
 #include "system/refuse.h"
@@ -118,8 +119,8 @@ static tvi_status make_step_by_tolerance(run_in_progress *running, double *t, do
     return status;
 }
 
-/* Makes the next step, or the next steps if nothing needs each of them, and multiplies the tangent vectors by the
- * Jacobian matrix of the step. If the multiplication fails, the step is undone. */
+/* Makes the next step, or the next steps if nothing needs each of them, multiplies the tangent vectors by the Jacobian
+ * matrix of the step, and adds the step to the record. If one of these fails, the step is undone. */
 static tvi_status make_next_steps(run_in_progress *running, double *t, double q[], double p[])
 {
     tvi_integrator *it = running->integrator;
@@ -131,6 +132,10 @@ static tvi_status make_next_steps(run_in_progress *running, double *t, double q[
     running->step_count += made > 0 ? made : 1; /* a step of no length to t_end is a step to an observer */
     if (status != TVI_OK || made == 0) return status;
     status = tvi_columns_propagate_by_step(it, &running->run->columns);
+    if (status == TVI_OK && running->plan->record) {
+        status = tvi_record_add_step(running->plan->record, it);
+        if (status != TVI_OK) tvi_columns_restore_step_start(it, &running->run->columns);
+    }
     if (status != TVI_OK) tvi_integrator_undo_step(it, t, q, p);
     return status;
 }
@@ -151,6 +156,13 @@ static tvi_status check_time_advances(run_in_progress *running, long steps)
                             it->last_step.covered_time, left);
 }
 
+/* Adds an event that is reported to the record of the run. */
+static tvi_status record_root(const run_in_progress *running, const tvi_event_root *root, const tvi_event *event)
+{
+    const double offset = root->theta * running->integrator->last_step.h;
+    return running->plan->record ? tvi_record_tell(running->plan->record, event, false, offset, root->state) : TVI_OK;
+}
+
 /* Calls the observer of events with the index of an event and a state [2n + 1]. Returns true if the observer ends the
  * run. */
 static bool report_event(const run_in_progress *running, int event_index, const double state[])
@@ -169,15 +181,18 @@ static tvi_status stop_at_root(const run_in_progress *running, const tvi_event_r
                                double p[])
 {
     const size_t n = (size_t)running->integrator->system->n;
-    const tvi_status status = tvi_events_stop_run(running->events, root);
+    tvi_status status = tvi_events_stop_run(running->events, root);
+    for (int event_index = 0; event_index < running->events->event_count && status == TVI_OK; event_index++) {
+        if (!running->events->watched_events[event_index].is_unreported_at_stop) continue;
+        status = record_root(running, root, running->plan->events[event_index]);
+        if (status == TVI_OK) (void)report_event(running, event_index, root->state);
+    }
     if (status != TVI_OK) return status;
-    for (int event_index = 0; event_index < running->events->event_count; event_index++)
-        if (running->events->watched_events[event_index].is_unreported_at_stop)
-            (void)report_event(running, event_index, root->state);
     *running->integrator->is_state_from_step = false; /* the counts go on, with the largest tail */
     *t = root->state[2 * n];
     memcpy(q, root->state, n * sizeof *q);
     memcpy(p, root->state + n, n * sizeof *p);
+    if (running->plan->record) tvi_record_end_run(running->plan->record, TVI_END_AT_EVENT, *t, q, p);
     return TVI_ESTOPPED;
 }
 
@@ -195,6 +210,8 @@ static tvi_status report_root(const run_in_progress *running, const tvi_event_ro
     if (status == TVI_OK && (run->observers.on_event || is_terminal))
         status = tvi_columns_propagate_to_offset(it, &run->columns, root->theta * it->last_step.h,
                                                  running->events->partial_step.partial_step_integrator->parameters);
+    if (status == TVI_OK && (run->observers.on_event || is_terminal))
+        status = record_root(running, root, root->watched->event);
     if (status != TVI_OK) return status;
     const bool ends = report_event(running, root->watched->index, root->state) || is_terminal;
     return ends ? stop_at_root(running, root, t, q, p) : TVI_OK;
@@ -209,6 +226,7 @@ static tvi_status report_events(const run_in_progress *running, double *t, doubl
     if (events->repeats_stop) {
         tvi_integrator_undo_step(running->integrator, t, q, p);
         tvi_columns_restore_step_start(running->integrator, columns);
+        if (running->plan->record) tvi_record_drop_step(running->plan->record);
         return status;
     }
     for (int i = 0; i < events->root_count && status == TVI_OK; i++)
@@ -270,6 +288,8 @@ static tvi_status make_all_steps(run_in_progress *running, bool continues_last_s
         if (status == TVI_OK && has_end_time && !running->is_at_end)
             status = check_time_advances(running, running->step_count - before);
     }
+    const bool ends_at_time = plan->has_t_end && running->is_at_end;
+    if (plan->record) tvi_record_end_run(plan->record, ends_at_time ? TVI_END_AT_TIME : TVI_END_AT_STEP, *t, q, p);
     return status;
 }
 
@@ -292,8 +312,8 @@ static bool ends_at(const tvi_run_plan *plan, double t)
 static tvi_status run_integrator(tvi_integrator *it, const tvi_single_run *run, double *t, double q[], double p[])
 {
     const tvi_run_plan *plan = run->plan;
-    const bool needs_each_step =
-        plan->event_count > 0 || plan->time_count > 0 || run->observers.at_step || run->columns.elements;
+    const bool needs_each_step = plan->event_count > 0 || plan->time_count > 0 || run->observers.at_step ||
+                                 run->columns.elements || plan->record;
     run_in_progress running = {.integrator = it,
                                .run = run,
                                .plan = plan,
@@ -308,6 +328,7 @@ static tvi_status run_integrator(tvi_integrator *it, const tvi_single_run *run, 
     if (status == TVI_OK && run->columns.elements) status = tvi_integrator_allocate_tangents(it, run->columns.count);
     if (status == TVI_OK && run->columns.elements) status = tvi_columns_check_finite(it, &run->columns);
     if (status == TVI_OK && (it->is_in_observer || has_steps)) status = tvi_integrator_begin_step(it, *t, q, p);
+    if (status == TVI_OK && has_steps && plan->record) status = tvi_record_begin_run(plan->record, it);
     if (status != TVI_OK || !has_steps) return status;
     /* The low-order part of the time may already have led to t_end. */
     if (plan->has_t_end && tvi_remaining_time(it, plan->t_end) == 0) {

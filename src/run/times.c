@@ -1,6 +1,7 @@
 /* times.c - Reports the states at the given times of a run (times.h). Each state is computed by a partial step of the
  * method from the start of the last step (inside_step.h). */
 #include "run/times.h"
+#include "run/record.h"
 #include "system/refuse.h"
 
 #include <math.h>
@@ -63,6 +64,9 @@ static tvi_status report_next_time_in_step(tvi_times_progress *times_progress)
         status = tvi_columns_propagate_to_offset(times_progress->integrator, &times_progress->run->columns,
                                                  partial_step->stored_state_offset,
                                                  partial_step->partial_step_integrator->parameters);
+    tvi_record *record = times_progress->run->plan->record;
+    if (status == TVI_OK && record)
+        status = tvi_record_tell(record, NULL, false, partial_step->stored_state_offset, partial_step->state);
     if (status == TVI_OK)
         report_state_at_next_time(times_progress, partial_step->state,
                                   partial_step->state + times_progress->integrator->system->n);
@@ -102,6 +106,10 @@ tvi_status tvi_times_open(tvi_times_progress *times_progress, tvi_integrator *it
     *times_progress = (tvi_times_progress){.integrator = it, .run = run};
     while (!continues_last_step && !times_progress->is_stopped_by_observer &&
            !tvi_times_are_all_reported(times_progress) && run->plan->times[times_progress->next_time_index] == t) {
+        if (run->plan->record) {
+            const tvi_status told = tvi_record_tell_start(run->plan->record, t, q, p);
+            if (told != TVI_OK) return told;
+        }
         report_state_at_next_time(times_progress, q, p);
         tvi_columns_restore_step_end(it, &run->columns);
     }

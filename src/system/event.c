@@ -109,9 +109,7 @@ static tvi_status record_events_in_one_graph(const tvi_event *const events[], in
         if (!jet_record_forward_derivatives(events[i]->graph, graph, input, zeros, NULL, 1, &events[i]->output,
                                             &value[i], &rate))
             return TVI_ENOMEM;
-    const tvi_status status = jet_graph_check_outputs(graph, count, value);
-    jet_graph_end_recording(graph);
-    return status;
+    return jet_graph_check_outputs(graph, count, value);
 }
 
 tvi_status tvi_event_create_joint_tape(jet_tape **out, const tvi_event *const events[], int count, bool used[])
@@ -120,12 +118,32 @@ tvi_status tvi_event_create_joint_tape(jet_tape **out, const tvi_event *const ev
     jet_graph *graph = jet_graph_create(inputs);
     jet *jets = calloc(2 * (size_t)inputs + (size_t)count, sizeof *jets);
     tvi_status status = graph && jets ? record_events_in_one_graph(events, count, graph, inputs, jets) : TVI_ENOMEM;
+    if (graph) jet_graph_end_recording(graph);
     if (status == TVI_OK) status = tvi_system_find_used_inputs(graph, inputs, count, jets + 2 * inputs, used);
     *out = status == TVI_OK ? jet_tape_create(graph, inputs, count, jets + 2 * inputs, JET_TAPE_VALUES) : NULL;
     if (status == TVI_OK && !*out) status = TVI_ENOMEM;
     free(jets);
     jet_graph_free(graph);
     return status;
+}
+
+tvi_status tvi_event_create_gradient_tape(jet_tape **out, const tvi_event *event, int parameter_count)
+{
+    const int inputs = 2 * event->n + 1, outputs = inputs + parameter_count;
+    jet_graph *graph = jet_graph_create(inputs);
+    jet *jets = calloc(2 * (size_t)inputs + 1 + (size_t)outputs, sizeof *jets);
+    *out = NULL;
+    if (graph && jets && record_events_in_one_graph(&event, 1, graph, inputs, jets) == TVI_OK) {
+        jet *gradient = jets + 2 * inputs + 1;
+        const bool recorded =
+            jet_record_gradient_by(graph, jets[2 * inputs], inputs, gradient, parameter_count, gradient + inputs) &&
+            jet_graph_check_outputs(graph, outputs, gradient) == TVI_OK;
+        jet_graph_end_recording(graph);
+        if (recorded) *out = jet_tape_create(graph, inputs, outputs, gradient, JET_TAPE_VALUES);
+    }
+    free(jets);
+    jet_graph_free(graph);
+    return *out ? TVI_OK : TVI_ENOMEM;
 }
 
 /* ---- Near a state ------------------------------------------------------------------------------------------------ */

@@ -40,6 +40,9 @@ TVI_NODISCARD tvi_status tvi_event_evaluate(const tvi_event *event, double *bloc
 TVI_NODISCARD tvi_status tvi_event_create_joint_tape(jet_tape **out, const tvi_event *const events[], int count,
                                                      bool used[]);
 
+/* Creates the tape of the derivatives of g by q, p, t and then by the parameters, whose inputs are q, p, t. */
+TVI_NODISCARD tvi_status tvi_event_create_gradient_tape(jet_tape **out, const tvi_event *event, int parameter_count);
+
 /* The memory in which g is expanded near one state. */
 typedef struct {
     double *series_block; /* [orders][slots] The Taylor coefficients of all slots of event->series. */

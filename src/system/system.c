@@ -1,6 +1,7 @@
 /* system.c - Frees systems, returns how many coordinates and parameters they have, and sets the parameters in the
  * blocks of their tapes. statement.c creates systems. */
 #include "system/system.h"
+#include "system/adjoint.h"
 #include "system/constraint.h"
 
 #include <stdlib.h>
@@ -16,6 +17,7 @@ void tvi_system_free(tvi_system *system)
     free(system->hessian.entry);
     jet_tape_free(system->energy.tape);
     jet_graph_free(system->record.graph);
+    tvi_adjoint_free(system->record.adjoint);
     tvi_constraints_free(system->constraints);
     free(system->record.field);
     free(system->mass);

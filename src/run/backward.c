@@ -1,0 +1,243 @@
+/* backward.c - Makes steps back of the adjoint system (backward.h), and the integrals of the derivatives by the
+ * parameters and by the time along them, by the quadrature of the steps. */
+#include "run/backward.h"
+#include "system/refuse.h"
+
+#include <stdlib.h>
+
+/* ---- Memory ------------------------------------------------------------------------------------------------------ */
+
+void tvi_backward_free(tvi_backward *backward)
+{
+    if (!backward) return;
+    tvi_integrator_free(backward->lift);
+    tvi_integrator_free(backward->part);
+    free(backward->integrand_block);
+    free(backward->energy_block);
+    free(backward->curve);
+    free(backward->field_block);
+    free(backward);
+}
+
+/* Sets `difference` for a polynomial through the start of the step, where it is 0, and the nodes. */
+static void set_difference(tvi_backward *to)
+{
+    const int m = to->node_count;
+    for (int i = 0; i < m; i++)
+        for (int j = 0; j < m; j++) {
+            double slope = 0; /* of x prod_k (x - theta_k) / (the same at theta_j), k != j, at theta_i */
+            for (int left_out = -1; left_out < m; left_out++) {
+                if (left_out == j) continue;
+                double product = left_out < 0 ? 1 / to->theta[j] : to->theta[i] / to->theta[j];
+                product *= left_out < 0 ? 1 : 1 / (to->theta[j] - to->theta[left_out]);
+                for (int k = 0; k < m; k++)
+                    if (k != j && k != left_out)
+                        product *= (to->theta[i] - to->theta[k]) / (to->theta[j] - to->theta[k]);
+                slope += product;
+            }
+            to->difference[i * m + j] = slope;
+        }
+}
+
+static double *allocate_block(const jet_tape *tape, int lanes)
+{
+    double *block = malloc((size_t)tape->slot_count * (size_t)lanes * sizeof *block);
+    if (block) jet_tape_prepare_block(tape, block, 1, lanes);
+    return block;
+}
+
+static bool allocate_arrays(tvi_backward *to, const tvi_record *record)
+{
+    const tvi_adjoint *adjoint = record->adjoint;
+    const tvi_system *stepped = record->again->stepped;
+    const size_t N = (size_t)to->N, nodes = (size_t)to->node_count;
+    const struct {
+        double **array;
+        size_t size;
+    } slices[] = {{&to->curve, 4 * N * nodes},
+                  {&to->z, 4 * N},
+                  {&to->x_end, record->state_size},
+                  {&to->exit, 2 * N},
+                  {&to->told, 2 * N},
+                  {&to->surface, 2 * N},
+                  {&to->rates, 2 * N},
+                  {&to->by_parameters, (size_t)to->parameters + 1}};
+    const size_t count = sizeof slices / sizeof *slices;
+    size_t all = 0;
+    for (size_t i = 0; i < count; i++) all += slices[i].size;
+    double *memory = calloc(all, sizeof *memory), *next = memory;
+    for (size_t i = 0; i < count && memory; i++) *slices[i].array = next, next += slices[i].size;
+    to->integrand_block = allocate_block(adjoint->integrands, to->node_count);
+    if (adjoint->energy_by_parameters) to->energy_block = allocate_block(adjoint->energy_by_parameters, 1);
+    to->field_block = malloc(((size_t)stepped->field_values->slot_count + N) * sizeof *to->field_block);
+    if (to->field_block) jet_tape_prepare_block(stepped->field_values, to->field_block, 1, 1);
+    return memory && to->integrand_block && to->field_block && (!adjoint->energy_by_parameters || to->energy_block);
+}
+
+tvi_status tvi_backward_create(tvi_record *record)
+{
+    const tvi_integrator *again = record->again;
+    tvi_backward *to = calloc(1, sizeof *to);
+    if (!to) return TVI_ENOMEM;
+    tvi_options options = again->options;
+    options.max_tail = -1; /* the guard has checked the steps of the run */
+    options.compiled = NULL;
+    tvi_status status = tvi_integrator_create(&to->lift, record->adjoint->lift, &options);
+    if (status == TVI_OK) status = tvi_integrator_create(&to->part, record->adjoint->lift, &options);
+    if (status == TVI_OK) {
+        to->layout = tvi_adjoint_layout_of(record->adjoint);
+        to->N = again->stepped->n;
+        to->parameters = tvi_system_parameters(again->system);
+        to->node_count = again->stepper->quadrature(again->work, to->theta, to->b);
+        if (to->lift->system->form == TVI_LAGRANGIAN) set_difference(to);
+        if (!allocate_arrays(to, record)) status = TVI_ENOMEM;
+    }
+    if (status == TVI_OK) record->backward = to;
+    else tvi_backward_free(to);
+    return status;
+}
+
+void tvi_backward_set_parameters(tvi_record *record)
+{
+    tvi_backward *to = record->backward;
+    const double *value = record->again->parameters;
+    tvi_integrator_load_parameters(to->lift, value, 1);
+    tvi_integrator_load_parameters(to->part, value, 1);
+    jet_tape_set_parameters(record->adjoint->integrands, to->integrand_block, to->node_count, to->parameters, 1, value);
+    jet_tape_set_parameters(record->again->stepped->field_values, to->field_block, 1, to->parameters, 1, value);
+    if (to->energy_block)
+        jet_tape_set_parameters(record->adjoint->energy_by_parameters, to->energy_block, 1, to->parameters, 1, value);
+}
+
+/* ---- The state of the lift --------------------------------------------------------------------------------------- */
+
+/* Returns the element with this index of the layout, in the lift's state, and in *low its low-order part. */
+static double *element(const tvi_integrator *lift, int index, double **low)
+{
+    const int n = lift->stepped->n;
+    *low = index < n ? &lift->state.q_low[index] : &lift->state.p_low[index - n];
+    return index < n ? &lift->state.q[index] : &lift->state.p[index - n];
+}
+
+void tvi_backward_set_x(const tvi_backward *to, tvi_integrator *lift, const double state[])
+{
+    const int N = to->N, low_parts = 2 * N + 1;
+    double *low;
+    for (int i = 0; i < 2 * N; i++) {
+        const int of = i < N ? i : i + 1; /* the variable of the steps stands between q and p */
+        double *x = element(lift, i < N ? to->layout.q + i : to->layout.p + i - N, &low);
+        *x = state[of];
+        *low = state[of + low_parts];
+    }
+    lift->state.q[2 * N] = state[N];
+    lift->state.q_low[2 * N] = state[N + low_parts];
+}
+
+static double *a_element(const tvi_backward *to, const tvi_integrator *lift, int i, double **low)
+{
+    return element(lift, i < to->N ? to->layout.a_q + i : to->layout.a_p + i - to->N, low);
+}
+
+static double sign_of_a(const tvi_backward *to, int i) { return i < to->N ? to->layout.sign_of_a_q : 1; }
+
+void tvi_backward_add(const tvi_backward *to, tvi_integrator *lift, const double covector[])
+{
+    double *low;
+    for (int i = 0; i < 2 * to->N; i++) {
+        double *a = a_element(to, lift, i, &low);
+        *a = tvi_add_compensated(*a, low, sign_of_a(to, i) * covector[i], 0);
+    }
+}
+
+void tvi_backward_get(const tvi_backward *to, const tvi_integrator *lift, double covector[])
+{
+    double *low;
+    for (int i = 0; i < 2 * to->N; i++) covector[i] = sign_of_a(to, i) * *a_element(to, lift, i, &low);
+}
+
+void tvi_backward_clear(tvi_integrator *lift)
+{
+    tvi_arena_copy_history(lift->history.now, NULL, lift->history.bytes);
+    *lift->is_state_from_step = true; /* its state is set here, with low-order parts */
+}
+
+/* Begins the history of the lift anew: what it predicts. */
+static void forget_predictions(tvi_integrator *lift)
+{
+    const size_t state = lift->history.state_bytes;
+    tvi_arena_copy_history(lift->history.now + state, NULL, lift->history.bytes - state);
+}
+
+/* ---- Steps back -------------------------------------------------------------------------------------------------- */
+
+/* Computes the coordinates and the momenta of the lift at the nodes of its last step: curve [4N][nodes]; of a
+ * Lagrangian its velocities in the place of the momenta. */
+static void compute_curve(const tvi_backward *to, const tvi_integrator *lift)
+{
+    const int n = 2 * to->N, m = to->node_count;
+    const tvi_run_state *start = &lift->last_step.start;
+    const tvi_increments *increments = &lift->last_step.increments;
+    for (int k = 0; k < m; k++) {
+        lift->stepper->interpolate(lift->work, to->theta[k], increments->dq, increments->dp);
+        for (int i = 0; i < n; i++) {
+            to->curve[i * m + k] = start->q[i] + increments->dq[i];
+            to->curve[(n + i) * m + k] =
+                lift->system->form == TVI_LAGRANGIAN ? increments->dq[i] : start->p[i] + increments->dp[i];
+        }
+    }
+    if (lift->system->form != TVI_LAGRANGIAN) return;
+    for (int i = 0; i < n; i++) {
+        double *row = to->curve + (n + i) * m, v[TVI_MAX_NODES];
+        for (int k = 0; k < m; k++) {
+            v[k] = 0;
+            for (int j = 0; j < m; j++) v[k] += to->difference[k * m + j] * row[j];
+        }
+        for (int k = 0; k < m; k++) row[k] = v[k] / lift->last_step.h;
+    }
+}
+
+/* Adds the integrals of S_c and S_t over the last step back. */
+static tvi_status add_integrals(tvi_record *record, const tvi_integrator *lift)
+{
+    tvi_backward *to = record->backward;
+    const jet_tape *tape = record->adjoint->integrands;
+    const int m = to->node_count, n = 2 * to->N, inputs = lift->system->form == TVI_SEPARABLE ? n : 2 * n;
+    const double h = lift->last_step.h, t = lift->last_step.start.q[n];
+    if (to->parameters == 0 && tape->input_count == inputs) return TVI_OK;
+    compute_curve(to, lift);
+    memcpy(to->integrand_block, to->curve, (size_t)(inputs * m) * sizeof *to->curve);
+    for (int k = 0; k < m && tape->input_count > inputs; k++)
+        to->integrand_block[inputs * m + k] = t + to->theta[k] * h;
+    if (!jet_sweep_values(tape, to->integrand_block, m))
+        return jet_refuse(TVI_EDOMAIN, "the derivatives by the parameters have no value");
+    for (int i = 0; i < tape->output_count; i++) {
+        const int parameter = i < tape->output_count - 1 ? i : to->parameters;
+        double sum = 0;
+        for (int k = 0; k < m; k++) sum += to->b[k] * to->integrand_block[tape->output_slot[i] * m + k];
+        to->by_parameters[parameter] -= h * sum;
+    }
+    return TVI_OK;
+}
+
+static bool has_multipliers(const tvi_backward *to, const tvi_integrator *lift)
+{
+    double *low;
+    for (int i = 0; i < 2 * to->N; i++)
+        if (*a_element(to, lift, i, &low) != 0) return true;
+    return false;
+}
+
+tvi_status tvi_backward_step(tvi_record *record, tvi_integrator *lift, double h)
+{
+    tvi_backward *to = record->backward;
+    double t, *p = to->z + 2 * to->N;
+    if (!has_multipliers(to, lift)) return TVI_OK;
+    tvi_integrator_copy_state(lift, &t, to->z, p);
+    tvi_status status = tvi_step(lift, -h, &t, to->z, p);
+    if (tvi_is_failure_of_member(status)) {
+        forget_predictions(lift);
+        status = tvi_step(lift, -h, &t, to->z, p);
+    }
+    if (status != TVI_OK) return jet_refuse(status, "the way back: %s", jet_last_refusal_text());
+    return add_integrals(record, lift);
+}

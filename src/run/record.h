@@ -1,0 +1,112 @@
+/* record.h - Declares what runs leave behind for gradients: the states of their steps, and what they told. run.c and
+ * times.c write a record, and gradient.c goes back through it. */
+#ifndef TVI_SRC_RUN_RECORD_H
+#define TVI_SRC_RUN_RECORD_H
+
+#include "integrator/inside_step.h"
+#include "system/adjoint.h"
+#include "system/event.h"
+#include "tvi_gradient.h"
+
+/* How a piece of a record ends: after its last step, at a fixed time, or at an event inside its last step. */
+typedef enum { TVI_END_AT_STEP, TVI_END_AT_TIME, TVI_END_AT_EVENT } tvi_piece_end;
+
+/* A row of steps, each of which begins where the one before ended. */
+typedef struct {
+    long first_step;  /* the index of its first step; the next piece, or the end of the record, ends it */
+    bool starts_anew; /* the state at its start is loaded, and e of a rescaled system is -H there */
+    tvi_piece_end end;
+    double *end_state; /* [state_size] the state after its last step, with its low-order parts */
+} tvi_piece;
+
+/* What a run told of a step: the state at a time, or at an event. */
+typedef struct {
+    long step;        /* the index of the step; at the start of a run, that of the step which follows */
+    double offset;    /* the place in the step, from 0 to its size h */
+    int index;        /* among the times, or among the events */
+    double *state;    /* [2n + 1] q, p and t */
+    double *gradient; /* [2n + 1 + parameters] of the event function, by q, p, t and the parameters; NULL: a time */
+} tvi_told;
+
+/* From here on a row of steps has the size h. */
+typedef struct {
+    long first_step;
+    double h;
+} tvi_row_of_h;
+
+/* A copy of the integrator's history before a step, from which steps are made again. */
+typedef struct {
+    long step;
+    char *history;
+} tvi_checkpoint;
+
+/* The tape of the gradient of an event function. */
+typedef struct {
+    uint64_t hash;
+    jet_tape *tape;
+    double *block;
+} tvi_event_gradient;
+
+/* An array that grows. */
+typedef struct {
+    size_t count, capacity;
+} tvi_grown;
+
+struct tvi_record {
+    tvi_integrator *again; /* an integrator as that of the runs: it makes steps again, and has its parameters */
+    const tvi_adjoint *adjoint;
+    struct tvi_backward *backward; /* what gradient.c needs; NULL before the first gradient */
+    size_t state_size; /* 4N + 2: q and the variable of the steps [N + 1], p [N], and their low-order parts */
+    /* The states at the starts of `count` steps, from the one with the index first_step on. */
+    struct {
+        double *states;
+        tvi_grown of;
+        long first_step, most;
+    } kept;
+    long step_count;
+    tvi_checkpoint *checkpoints;
+    tvi_piece *pieces;
+    tvi_row_of_h *rows;
+    tvi_told *told;
+    tvi_event_gradient *event_gradients;
+    struct {
+        tvi_grown checkpoints, pieces, rows, told, event_gradients;
+    } counts;
+    int time_count, event_count;
+    double *end;              /* [2n + 1] q, p and t at the end of the last run */
+    bool begins_piece;        /* the next step begins a piece */
+    bool is_open;             /* a run writes the record */
+    size_t bytes, most_bytes; /* the memory that is taken, and what may be taken */
+};
+
+/* Begins a run at a state, whose step the integrator has begun: goes on with the record, or begins it anew. */
+TVI_NODISCARD tvi_status tvi_record_begin_run(tvi_record *record, const tvi_integrator *integrator);
+/* Adds the integrator's last step. */
+TVI_NODISCARD tvi_status tvi_record_add_step(tvi_record *record, const tvi_integrator *integrator);
+/* Takes back the step that was added last. */
+void tvi_record_drop_step(tvi_record *record);
+/* Adds a state [2n + 1] that was told, at the given offset in the step that was added last, or if is_before_step is
+ * set, at the start of the step that follows. `event` is NULL for a time. */
+TVI_NODISCARD tvi_status tvi_record_tell(tvi_record *record, const tvi_event *event, bool is_before_step, double offset,
+                                         const double state[]);
+/* Adds a time at the start of the run. */
+TVI_NODISCARD tvi_status tvi_record_tell_start(tvi_record *record, double t, const double q[], const double p[]);
+/* Says how and where the run has ended, which the first call of a run decides. */
+void tvi_record_end_run(tvi_record *record, tvi_piece_end end, double t, const double q[], const double p[]);
+/* Returns the size h of a step. */
+double tvi_record_size_of_step(const tvi_record *record, long step);
+/* Finds the state [state_size] at the start of a step, and makes the steps before it again if it is not kept. */
+TVI_NODISCARD tvi_status tvi_record_state(tvi_record *record, long step, const double **state);
+void tvi_backward_free(struct tvi_backward *backward);
+
+/* Copies the state of a run with its low-order parts to a vector [4N + 2], N coordinates, and back. */
+static inline void tvi_full_state_get(const tvi_run_state *from, int N, double state[])
+{
+    const size_t q = (size_t)N + 1, p = (size_t)N;
+    memcpy(state, from->q, q * sizeof *state);
+    memcpy(state + q, from->p, p * sizeof *state);
+    memcpy(state + q + p, from->q_low, q * sizeof *state);
+    memcpy(state + 2 * q + p, from->p_low, p * sizeof *state);
+}
+
+#endif

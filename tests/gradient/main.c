@@ -1,0 +1,7 @@
+/* main.c - Runs the suites on derivatives of whole runs. */
+#include "gradient.h"
+#include "problems/run_suites.h"
+
+static Suite *(*const suites[])(void) = {suite_gradient};
+
+int main(void) { return RUN_SUITES(suites); }
