@@ -29,6 +29,7 @@
 #                 minutes
 # make peers REBOUND=DIR HEYOKA=DIR   error against time beside REBOUND and heyoka, which you have built; either may be
 #                 missing: the table of docs/performance.md and the picture of README.md, some minutes
+# make gradient   the gradient of a run beside the run, and beside tangent columns: the tables of docs/fits.md
 # make constraints   steps on constraints beside steps in minimal coordinates: the table of docs/constraints.md
 # make devices    what each device for speed gives (docs/adding.md), ten minutes; PLAIN=1: a library without any
 # make compare-with COMMIT=hash   times and instructions of steps beside that commit's, row by row, and of ensembles
@@ -44,7 +45,7 @@
 # make verify     the tables of the documents made anew and compared, times excepted
 # make docs-tables   all tables and pictures of the documents anew, an hour; those of one target: make performance-docs,
 #                 choose-docs, bench-docs, peers-docs, tails-docs, suggest-docs, stability-docs, guard-docs, longrun-docs,
-#                 adaptive-docs, chaos-docs, constraints-docs, order-doubling-docs, experiments-docs,
+#                 adaptive-docs, chaos-docs, constraints-docs, gradient-docs, order-doubling-docs, experiments-docs,
 #                 maps-docs
 # make chaos      Lyapunov exponents and MEGNO of Henon-Heiles by the tangent map: tables and picture of docs/chaos.md
 # make maps       order and chaos over planes of starts, by ensembles: the pictures of
@@ -243,6 +244,7 @@ include bench/bench.mk
 include bench/experiments/experiments.mk
 include bench/performance/performance.mk
 include bench/constraints/constraints.mk
+include bench/gradient/gradient.mk
 include bench/compare/compare.mk
 include bench/longrun/longrun.mk
 include bench/adaptive/adaptive.mk

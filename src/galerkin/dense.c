@@ -86,10 +86,20 @@ void tvi_galerkin_sample(void *self, const tvi_component_range used[2], const do
 int tvi_galerkin_quadrature(const void *self, double theta[], double b[])
 {
     const galerkin_coefficients *coefficients = &((const galerkin_work *)self)->coefficients;
-    const int count = coefficients->node_count;
-    memcpy(theta, coefficients->c, (size_t)count * sizeof *theta);
-    memcpy(b, coefficients->b, (size_t)count * sizeof *b);
-    return count;
+    const size_t bytes = (size_t)coefficients->lane_count * sizeof *theta;
+    _Static_assert((int)GALERKIN_MAX_LANES <= (int)TVI_MOST_POINTS, "the nodes have room");
+    memcpy(theta, coefficients->c, bytes);
+    memcpy(b, coefficients->b, bytes);
+    return coefficients->lane_count;
+}
+
+/* The table of the integrals up to the nodes is nu, that of the passes. */
+void tvi_galerkin_at_nodes(void *self, const double q_start[], const double p_start[], double *q, double *p)
+{
+    const galerkin_work *work = self;
+    const galerkin_coefficients *at = &work->coefficients;
+    const tvi_component_range used[] = {{0, work->n}, {0, work->step.is_separable ? 0 : work->n}};
+    evaluate_curve(work, used, at->lane_count, at->c, at->nu, at->nu, q_start, p_start, q, p);
 }
 
 /* The polynomial through the forces is sum_j l_j F_j, with h b_j F_j = L_j. Legendre's polynomials are 1 at the end of

@@ -317,6 +317,7 @@ const tvi_stepper tvi_stepper_galerkin = {.allocate = allocate_work,
                                           .interpolate = tvi_galerkin_interpolate,
                                           .sample = tvi_galerkin_sample,
                                           .quadrature = tvi_galerkin_quadrature,
+                                          .at_nodes = tvi_galerkin_at_nodes,
                                           .is_superconvergent = true,
                                           .is_history_valid = is_history_valid,
                                           .list_tapes = list_tapes};

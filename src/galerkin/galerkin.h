@@ -87,8 +87,10 @@ typedef struct {
 
 /* Computes `out` [count][points] from the impulses L [count][lanes] and a table [lanes][points]. */
 void tvi_galerkin_evaluate(const galerkin_curve_points *at, const double *table, const double *L, double *out);
-/* The functions `compute_curve_forces`, `interpolate` and `sample` of the stepper (method/stepper.h). */
-int tvi_galerkin_quadrature(const void *work, double theta[], double b[]);
+/* The functions `quadrature`, `at_nodes`, `compute_curve_forces`, `interpolate` and `sample` of the stepper
+ * (method/stepper.h). */
+int tvi_galerkin_quadrature(const void *self, double theta[], double b[]);
+void tvi_galerkin_at_nodes(void *self, const double q_start[], const double p_start[], double *q, double *p);
 int tvi_galerkin_curve_forces(const void *self, double *forces);
 void tvi_galerkin_interpolate(void *self, double theta, double dq[], double dp[]);
 void tvi_galerkin_sample(void *self, const tvi_component_range used[2], const double q_start[], const double p_start[],

@@ -139,7 +139,7 @@ typedef struct {
     void (*emit_steps)(jet_text *text, const tvi_system *system, const tvi_options *options);
 } tvi_tapes_of_steps;
 
-enum { TVI_FORCE_POINTS = 2 + TVI_MAX_NODES };
+enum { TVI_FORCE_POINTS = 2 + TVI_MAX_NODES, TVI_MOST_POINTS = 16 };
 
 /* The functions that make the steps of one integrator. tvi_choose_stepper of method.c chooses the table by the method's
  * descriptor (descriptor.h). Each table stands at the end of its file:
@@ -176,10 +176,13 @@ typedef struct {
     /* Computes forces [n][TVI_FORCE_POINTS], the derivatives p' of the last step's curve by the variable of the steps:
      * at its start, at its end, and then at its nodes. Returns the number of points. NULL: the stepper has no nodes. */
     int (*compute_curve_forces)(const void *work, double *forces);
-    /* Sets the nodes theta [TVI_MAX_NODES], as fractions of a step, and the weights b of the method's own quadrature,
-     * and returns their number. Integrals of the adjoint system by it are exact derivatives of a step
-     * (system/adjoint.h). NULL: the steps of the adjoint system are not the derivatives of the steps. */
+    /* The method's own quadrature: integrals of the adjoint system by it are exact derivatives of a step
+     * (system/adjoint.h). `quadrature` sets the nodes theta [TVI_MOST_POINTS], as fractions of a step, and the weights
+     * b, which are 0 for copies of the last node, and returns their number. `at_nodes` computes the coordinates q and,
+     * unless the system is separable, the momenta p of the last step there, [n][nodes], from the state at its start.
+     * NULL: the steps of the adjoint system are not the derivatives of the steps. */
     int (*quadrature)(const void *work, double theta[], double b[]);
+    void (*at_nodes)(void *work, const double q_start[], const double p_start[], double *q, double *p);
     /* If the degree is more than 1, the errors of the state at the end of a step, and of its derivative by the step
      * size, are of the size of the squared tail. */
     bool is_superconvergent;

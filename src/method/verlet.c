@@ -250,10 +250,21 @@ static int quadrature(const void *work, double theta[], double b[])
     return 2;
 }
 
+static void at_nodes(void *work, const double q_start[], const double p_start[], double *q, double *p)
+{
+    const verlet_work *w = work;
+    (void)p_start, (void)p;
+    for (int i = 0; i < w->system->n; i++) {
+        q[2 * i] = q_start[i];
+        q[2 * i + 1] = q_start[i] + w->dq[i];
+    }
+}
+
 static const tvi_stepper stepper = {.allocate = allocate,
                                     .step = step,
                                     .interpolate = interpolate,
                                     .quadrature = quadrature,
+                                    .at_nodes = at_nodes,
                                     .bound_energy_change = bound_energy_change,
                                     .compute_phase = compute_phase,
                                     .stable_phase = 2,

@@ -50,11 +50,11 @@ static bool allocate_arrays(tvi_backward *to, const tvi_record *record)
 {
     const tvi_adjoint *adjoint = record->adjoint;
     const tvi_system *stepped = record->again->stepped;
-    const size_t N = (size_t)to->N, nodes = (size_t)to->node_count;
+    const size_t N = (size_t)to->N, points = (size_t)to->point_count;
     const struct {
         double **array;
         size_t size;
-    } slices[] = {{&to->curve, 4 * N * nodes},
+    } slices[] = {{&to->curve, 4 * N * points},
                   {&to->z, 4 * N},
                   {&to->x_end, record->state_size},
                   {&to->exit, 2 * N},
@@ -67,7 +67,7 @@ static bool allocate_arrays(tvi_backward *to, const tvi_record *record)
     for (size_t i = 0; i < count; i++) all += slices[i].size;
     double *memory = calloc(all, sizeof *memory), *next = memory;
     for (size_t i = 0; i < count && memory; i++) *slices[i].array = next, next += slices[i].size;
-    to->integrand_block = allocate_block(adjoint->integrands, to->node_count);
+    to->integrand_block = allocate_block(adjoint->integrands, to->point_count);
     if (adjoint->energy_by_parameters) to->energy_block = allocate_block(adjoint->energy_by_parameters, 1);
     to->field_block = malloc(((size_t)stepped->field_values->slot_count + N) * sizeof *to->field_block);
     if (to->field_block) jet_tape_prepare_block(stepped->field_values, to->field_block, 1, 1);
@@ -88,7 +88,8 @@ tvi_status tvi_backward_create(tvi_record *record)
         to->layout = tvi_adjoint_layout_of(record->adjoint);
         to->N = again->stepped->n;
         to->parameters = tvi_system_parameters(again->system);
-        to->node_count = again->stepper->quadrature(again->work, to->theta, to->b);
+        to->point_count = again->stepper->quadrature(again->work, to->theta, to->b);
+        while (to->node_count < to->point_count && to->b[to->node_count] != 0) to->node_count++;
         if (to->lift->system->form == TVI_LAGRANGIAN) set_difference(to);
         if (!allocate_arrays(to, record)) status = TVI_ENOMEM;
     }
@@ -103,7 +104,8 @@ void tvi_backward_set_parameters(tvi_record *record)
     const double *value = record->again->parameters;
     tvi_integrator_load_parameters(to->lift, value, 1);
     tvi_integrator_load_parameters(to->part, value, 1);
-    jet_tape_set_parameters(record->adjoint->integrands, to->integrand_block, to->node_count, to->parameters, 1, value);
+    jet_tape_set_parameters(record->adjoint->integrands, to->integrand_block, to->point_count, to->parameters, 1,
+                            value);
     jet_tape_set_parameters(record->again->stepped->field_values, to->field_block, 1, to->parameters, 1, value);
     if (to->energy_block)
         jet_tape_set_parameters(record->adjoint->energy_by_parameters, to->energy_block, 1, to->parameters, 1, value);
@@ -170,30 +172,22 @@ static void forget_predictions(tvi_integrator *lift)
 
 /* ---- Steps back -------------------------------------------------------------------------------------------------- */
 
-/* Computes the coordinates and the momenta of the lift at the nodes of its last step: curve [4N][nodes]; of a
- * Lagrangian its velocities in the place of the momenta. */
+/* Computes the coordinates and the momenta of the lift at the nodes of its last step: curve [4N][points]; of a
+ * Lagrangian its velocities in the place of the momenta, by the polynomial through the nodes. */
 static void compute_curve(const tvi_backward *to, const tvi_integrator *lift)
 {
-    const int n = 2 * to->N, m = to->node_count;
+    const int n = 2 * to->N, m = to->node_count, points = to->point_count;
     const tvi_run_state *start = &lift->last_step.start;
-    const tvi_increments *increments = &lift->last_step.increments;
-    for (int k = 0; k < m; k++) {
-        lift->stepper->interpolate(lift->work, to->theta[k], increments->dq, increments->dp);
-        for (int i = 0; i < n; i++) {
-            to->curve[i * m + k] = start->q[i] + increments->dq[i];
-            to->curve[(n + i) * m + k] =
-                lift->system->form == TVI_LAGRANGIAN ? increments->dq[i] : start->p[i] + increments->dp[i];
+    double *second = to->curve + n * points;
+    lift->stepper->at_nodes(lift->work, start->q, start->p, to->curve, second);
+    for (int i = 0; i < n && lift->system->form == TVI_LAGRANGIAN; i++)
+        for (int k = 0; k < points; k++) {
+            const double *difference = to->difference + (k < m ? k : m - 1) * m;
+            double *v = &second[i * points + k];
+            *v = 0;
+            for (int j = 0; j < m; j++) *v += difference[j] * (to->curve[i * points + j] - start->q[i]);
+            *v /= lift->last_step.h;
         }
-    }
-    if (lift->system->form != TVI_LAGRANGIAN) return;
-    for (int i = 0; i < n; i++) {
-        double *row = to->curve + (n + i) * m, v[TVI_MAX_NODES];
-        for (int k = 0; k < m; k++) {
-            v[k] = 0;
-            for (int j = 0; j < m; j++) v[k] += to->difference[k * m + j] * row[j];
-        }
-        for (int k = 0; k < m; k++) row[k] = v[k] / lift->last_step.h;
-    }
 }
 
 /* Adds the integrals of S_c and S_t over the last step back. */
@@ -201,19 +195,19 @@ static tvi_status add_integrals(tvi_record *record, const tvi_integrator *lift)
 {
     tvi_backward *to = record->backward;
     const jet_tape *tape = record->adjoint->integrands;
-    const int m = to->node_count, n = 2 * to->N, inputs = lift->system->form == TVI_SEPARABLE ? n : 2 * n;
+    const int points = to->point_count, n = 2 * to->N, inputs = lift->system->form == TVI_SEPARABLE ? n : 2 * n;
     const double h = lift->last_step.h, t = lift->last_step.start.q[n];
     if (to->parameters == 0 && tape->input_count == inputs) return TVI_OK;
     compute_curve(to, lift);
-    memcpy(to->integrand_block, to->curve, (size_t)(inputs * m) * sizeof *to->curve);
-    for (int k = 0; k < m && tape->input_count > inputs; k++)
-        to->integrand_block[inputs * m + k] = t + to->theta[k] * h;
-    if (!jet_sweep_values(tape, to->integrand_block, m))
+    memcpy(to->integrand_block, to->curve, (size_t)(inputs * points) * sizeof *to->curve);
+    for (int k = 0; k < points && tape->input_count > inputs; k++)
+        to->integrand_block[inputs * points + k] = t + to->theta[k] * h;
+    if (!jet_sweep_values(tape, to->integrand_block, points))
         return jet_refuse(TVI_EDOMAIN, "the derivatives by the parameters have no value");
     for (int i = 0; i < tape->output_count; i++) {
         const int parameter = i < tape->output_count - 1 ? i : to->parameters;
         double sum = 0;
-        for (int k = 0; k < m; k++) sum += to->b[k] * to->integrand_block[tape->output_slot[i] * m + k];
+        for (int k = 0; k < points; k++) sum += to->b[k] * to->integrand_block[tape->output_slot[i] * points + k];
         to->by_parameters[parameter] -= h * sum;
     }
     return TVI_OK;

@@ -11,13 +11,14 @@
 typedef struct tvi_backward {
     tvi_integrator *lift, *part; /* make steps back: one after the other, and from a state inside a step */
     tvi_adjoint_layout layout;
-    int N, parameters, node_count;
-    double theta[TVI_MAX_NODES], b[TVI_MAX_NODES];    /* the quadrature of the steps */
-    double difference[TVI_MAX_NODES * TVI_MAX_NODES]; /* [i][j] the derivative at node i of the polynomial that is 1 at
+    int N, parameters;
+    int node_count, point_count;                       /* the nodes, and with copies of the last one */
+    double theta[TVI_MOST_POINTS], b[TVI_MOST_POINTS]; /* the quadrature of the steps */
+    double difference[TVI_MAX_NODES * TVI_MAX_NODES];  /* [i][j] the derivative at node i of the polynomial that is 1 at
                                                          node j, and 0 at the others and at the start */
-    double *integrand_block;                          /* [slots][nodes] */
-    double *energy_block;                             /* of H_c; NULL: the steps are not those of K */
-    double *curve;         /* [4N][nodes] the coordinates and the momenta of the lift at the nodes */
+    double *integrand_block;                           /* [slots][points] */
+    double *energy_block;                              /* of H_c; NULL: the steps are not those of K */
+    double *curve;         /* [4N][points] the coordinates and the momenta of the lift at the nodes */
     double *z;             /* [4N] the coordinates and the momenta of the lift, for tvi_step */
     double *x_end;         /* [state_size] the state at the end of a step */
     double *exit;          /* [2N] the covector at the end of a piece */
