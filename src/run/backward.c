@@ -22,20 +22,21 @@ void tvi_backward_free(tvi_backward *backward)
 /* Sets `difference` for a polynomial through the start of the step, where it is 0, and the nodes. */
 static void set_difference(tvi_backward *to)
 {
-    const int m = to->node_count;
+    const int m = to->nodes.count;
     for (int i = 0; i < m; i++)
         for (int j = 0; j < m; j++) {
             double slope = 0; /* of x prod_k (x - theta_k) / (the same at theta_j), k != j, at theta_i */
             for (int left_out = -1; left_out < m; left_out++) {
                 if (left_out == j) continue;
-                double product = left_out < 0 ? 1 / to->theta[j] : to->theta[i] / to->theta[j];
-                product *= left_out < 0 ? 1 : 1 / (to->theta[j] - to->theta[left_out]);
+                double product = left_out < 0 ? 1 / to->nodes.theta[j] : to->nodes.theta[i] / to->nodes.theta[j];
+                product *= left_out < 0 ? 1 : 1 / (to->nodes.theta[j] - to->nodes.theta[left_out]);
                 for (int k = 0; k < m; k++)
                     if (k != j && k != left_out)
-                        product *= (to->theta[i] - to->theta[k]) / (to->theta[j] - to->theta[k]);
+                        product *=
+                            (to->nodes.theta[i] - to->nodes.theta[k]) / (to->nodes.theta[j] - to->nodes.theta[k]);
                 slope += product;
             }
-            to->difference[i * m + j] = slope;
+            to->nodes.difference[i * m + j] = slope;
         }
 }
 
@@ -50,7 +51,7 @@ static bool allocate_arrays(tvi_backward *to, const tvi_record *record)
 {
     const tvi_adjoint *adjoint = record->adjoint;
     const tvi_system *stepped = record->again->stepped;
-    const size_t N = (size_t)to->N, points = (size_t)to->point_count;
+    const size_t N = (size_t)to->N, points = (size_t)to->nodes.points;
     const struct {
         double **array;
         size_t size;
@@ -67,7 +68,7 @@ static bool allocate_arrays(tvi_backward *to, const tvi_record *record)
     for (size_t i = 0; i < count; i++) all += slices[i].size;
     double *memory = calloc(all, sizeof *memory), *next = memory;
     for (size_t i = 0; i < count && memory; i++) *slices[i].array = next, next += slices[i].size;
-    to->integrand_block = allocate_block(adjoint->integrands, to->point_count);
+    to->integrand_block = allocate_block(adjoint->integrands, to->nodes.points);
     if (adjoint->energy_by_parameters) to->energy_block = allocate_block(adjoint->energy_by_parameters, 1);
     to->field_block = malloc(((size_t)stepped->field_values->slot_count + N) * sizeof *to->field_block);
     if (to->field_block) jet_tape_prepare_block(stepped->field_values, to->field_block, 1, 1);
@@ -88,8 +89,8 @@ tvi_status tvi_backward_create(tvi_record *record)
         to->layout = tvi_adjoint_layout_of(record->adjoint);
         to->N = again->stepped->n;
         to->parameters = tvi_system_parameters(again->system);
-        to->point_count = again->stepper->quadrature(again->work, to->theta, to->b);
-        while (to->node_count < to->point_count && to->b[to->node_count] != 0) to->node_count++;
+        to->nodes.points = again->stepper->quadrature(again->work, to->nodes.theta, to->nodes.b);
+        while (to->nodes.count < to->nodes.points && to->nodes.b[to->nodes.count] != 0) to->nodes.count++;
         if (to->lift->system->form == TVI_LAGRANGIAN) set_difference(to);
         if (!allocate_arrays(to, record)) status = TVI_ENOMEM;
     }
@@ -104,7 +105,7 @@ void tvi_backward_set_parameters(tvi_record *record)
     const double *value = record->again->parameters;
     tvi_integrator_load_parameters(to->lift, value, 1);
     tvi_integrator_load_parameters(to->part, value, 1);
-    jet_tape_set_parameters(record->adjoint->integrands, to->integrand_block, to->point_count, to->parameters, 1,
+    jet_tape_set_parameters(record->adjoint->integrands, to->integrand_block, to->nodes.points, to->parameters, 1,
                             value);
     jet_tape_set_parameters(record->again->stepped->field_values, to->field_block, 1, to->parameters, 1, value);
     if (to->energy_block)
@@ -176,13 +177,13 @@ static void forget_predictions(tvi_integrator *lift)
  * Lagrangian its velocities in the place of the momenta, by the polynomial through the nodes. */
 static void compute_curve(const tvi_backward *to, const tvi_integrator *lift)
 {
-    const int n = 2 * to->N, m = to->node_count, points = to->point_count;
+    const int n = 2 * to->N, m = to->nodes.count, points = to->nodes.points;
     const tvi_run_state *start = &lift->last_step.start;
     double *second = to->curve + n * points;
     lift->stepper->at_nodes(lift->work, start->q, start->p, to->curve, second);
     for (int i = 0; i < n && lift->system->form == TVI_LAGRANGIAN; i++)
         for (int k = 0; k < points; k++) {
-            const double *difference = to->difference + (k < m ? k : m - 1) * m;
+            const double *difference = to->nodes.difference + (k < m ? k : m - 1) * m;
             double *v = &second[i * points + k];
             *v = 0;
             for (int j = 0; j < m; j++) *v += difference[j] * (to->curve[i * points + j] - start->q[i]);
@@ -195,19 +196,19 @@ static tvi_status add_integrals(tvi_record *record, const tvi_integrator *lift)
 {
     tvi_backward *to = record->backward;
     const jet_tape *tape = record->adjoint->integrands;
-    const int points = to->point_count, n = 2 * to->N, inputs = lift->system->form == TVI_SEPARABLE ? n : 2 * n;
+    const int points = to->nodes.points, n = 2 * to->N, inputs = lift->system->form == TVI_SEPARABLE ? n : 2 * n;
     const double h = lift->last_step.h, t = lift->last_step.start.q[n];
     if (to->parameters == 0 && tape->input_count == inputs) return TVI_OK;
     compute_curve(to, lift);
     memcpy(to->integrand_block, to->curve, (size_t)(inputs * points) * sizeof *to->curve);
     for (int k = 0; k < points && tape->input_count > inputs; k++)
-        to->integrand_block[inputs * points + k] = t + to->theta[k] * h;
+        to->integrand_block[inputs * points + k] = t + to->nodes.theta[k] * h;
     if (!jet_sweep_values(tape, to->integrand_block, points))
         return jet_refuse(TVI_EDOMAIN, "the derivatives by the parameters have no value");
     for (int i = 0; i < tape->output_count; i++) {
         const int parameter = i < tape->output_count - 1 ? i : to->parameters;
         double sum = 0;
-        for (int k = 0; k < points; k++) sum += to->b[k] * to->integrand_block[tape->output_slot[i] * points + k];
+        for (int k = 0; k < points; k++) sum += to->nodes.b[k] * to->integrand_block[tape->output_slot[i] * points + k];
         to->by_parameters[parameter] -= h * sum;
     }
     return TVI_OK;

@@ -12,21 +12,25 @@ typedef struct tvi_backward {
     tvi_integrator *lift, *part; /* make steps back: one after the other, and from a state inside a step */
     tvi_adjoint_layout layout;
     int N, parameters;
-    int node_count, point_count;                       /* the nodes, and with copies of the last one */
-    double theta[TVI_MOST_POINTS], b[TVI_MOST_POINTS]; /* the quadrature of the steps */
-    double difference[TVI_MAX_NODES * TVI_MAX_NODES];  /* [i][j] the derivative at node i of the polynomial that is 1 at
-                                                         node j, and 0 at the others and at the start */
-    double *integrand_block;                           /* [slots][points] */
-    double *energy_block;                              /* of H_c; NULL: the steps are not those of K */
-    double *curve;         /* [4N][points] the coordinates and the momenta of the lift at the nodes */
-    double *z;             /* [4N] the coordinates and the momenta of the lift, for tvi_step */
-    double *x_end;         /* [state_size] the state at the end of a step */
-    double *exit;          /* [2N] the covector at the end of a piece */
-    double *told;          /* [2N] the covector of what was told */
-    double *surface;       /* [2N] the gradient of the function that is 0 where it was told */
-    double *rates;         /* [2N] x' */
-    double *field_block;   /* the block of the field of a Lagrangian; and then its velocity [N] */
-    double *by_parameters; /* [parameters + 1] the integrals so far: by the parameters, and by the time */
+    /* The quadrature of the steps: nodes theta and weights b of `points` nodes, of which `count` differ. */
+    struct {
+        int count, points;
+        double theta[TVI_MOST_POINTS], b[TVI_MOST_POINTS];
+        /* [i][j] The derivative at node i of the polynomial that is 1 at node j, and 0 at the others and at the
+         * start. */
+        double difference[TVI_MAX_NODES * TVI_MAX_NODES];
+    } nodes;
+    double *integrand_block; /* [slots][points] */
+    double *energy_block;    /* of H_c; NULL: the steps are not those of K */
+    double *curve;           /* [4N][points] the coordinates and the momenta of the lift at the nodes */
+    double *z;               /* [4N] the coordinates and the momenta of the lift, for tvi_step */
+    double *x_end;           /* [state_size] the state at the end of a step */
+    double *exit;            /* [2N] the covector at the end of a piece */
+    double *told;            /* [2N] the covector of what was told */
+    double *surface;         /* [2N] the gradient of the function that is 0 where it was told */
+    double *rates;           /* [2N] x' */
+    double *field_block;     /* the block of the field of a Lagrangian; and then its velocity [N] */
+    double *by_parameters;   /* [parameters + 1] the integrals so far: by the parameters, and by the time */
 } tvi_backward;
 
 /* Creates record->backward. */

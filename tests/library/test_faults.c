@@ -374,6 +374,44 @@ START_TEST(tangents_without_memory)
 }
 END_TEST
 
+/* A system, a run with a record, times and an event, and its gradient, twice. */
+static tvi_status make_gradient(const void *argument, bool *cleared)
+{
+    const double times[] = {0.005, 0.015}, start_q[N] = {0.1, -0.2, 0.3}, start_p[N] = {0.1, 0.1, -0.1};
+    const double at_times[4 * N] = {1, 2, 3}, end[2 * N + 1] = {1};
+    tvi_system *system;
+    tvi_integrator *integrator = NULL;
+    tvi_record *record = NULL;
+    double t = 0, q[N], p[N], by_start[2 * N + 1] = {42};
+    memcpy(q, start_q, sizeof q);
+    memcpy(p, start_p, sizeof p);
+    tvi_status status = state_everything(*(const statement *)argument, &system, &(bool){true});
+    if (status == TVI_OK) status = tvi_integrator_create(&integrator, system, NULL);
+    if (status == TVI_OK) status = tvi_record_create(&record, integrator, 0);
+    const tvi_run_plan plan = {.h = 0.01, .times = times, .time_count = 2, .record = record};
+    *cleared = true;
+    if (status == TVI_OK) {
+        status = tvi_run(integrator, &plan, &t, q, p);
+        *cleared = t == 0 ? memcmp(q, start_q, sizeof q) == 0 : tvi_record_counts(record, NULL, NULL) >= 1;
+    }
+    if (status == TVI_OK) {
+        status = tvi_gradient(record, &(tvi_loss){.end = end, .at_times = at_times}, by_start, NULL);
+        *cleared = by_start[0] == 42;
+    }
+    tvi_record_free(record);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+    return status;
+}
+
+START_TEST(gradients_without_memory)
+{
+    static const statement by[] = {FORCE, LAGRANGIAN, HAMILTONIAN, RESCALED, REVERSIBLE};
+    for (int how = FAIL_ONCE; how <= FAIL_ONWARD; how++)
+        ck_assert_int_gt(fail_each(make_gradient, &by[_i], (allocation_failure)how), 60);
+}
+END_TEST
+
 /* tvi_stats.bytes is what the integrator asked for. */
 START_TEST(bytes)
 {
@@ -413,6 +451,7 @@ Suite *suite_faults(void)
     tcase_add_loop_test(tangents, tangents_without_memory, 0, way_count);
     tcase_add_loop_test(tangents, plans_without_memory, 0, way_count);
     tcase_add_loop_test(tangents, ensembles_without_memory, 0, way_count);
+    tcase_add_loop_test(tangents, gradients_without_memory, 0, 5);
     suite_add_tcase(suite, tcase_allocations());
     suite_add_tcase(suite, tcase_generated());
     return suite;
