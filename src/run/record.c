@@ -145,13 +145,13 @@ tvi_status tvi_record_begin_run(tvi_record *record, const tvi_integrator *it)
     if (it->system != again->system || memcmp(&it->options, &again->options, sizeof it->options) != 0)
         return jet_refuse(TVI_EINVAL, "the record was created for another system or other options");
     const size_t n = (size_t)it->system->n;
-    const bool goes_on =
-        record->step_count > 0 && tvi_integrator_state_equals(it, record->end[2 * n], record->end, record->end + n);
+    const bool has_begun = record->step_count > 0 || record->counts.told.count > 0;
+    const bool goes_on = has_begun && tvi_integrator_state_equals(it, record->end[2 * n], record->end, record->end + n);
     if (goes_on && !has_parameters_of(record, it))
         return jet_refuse(TVI_EUNSUPPORTED, "the run goes on with other parameters: a record has one set of them");
     if (!goes_on) begin_anew(record);
     tvi_integrator_load_parameters(record->again, it->parameters, 1);
-    const tvi_piece *last = goes_on ? &record->pieces[record->counts.pieces.count - 1] : NULL;
+    const tvi_piece *last = record->counts.pieces.count > 0 ? &record->pieces[record->counts.pieces.count - 1] : NULL;
     record->begins_piece = !last || last->end != TVI_END_AT_STEP;
     record->is_open = true;
     return TVI_OK;

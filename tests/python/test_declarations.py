@@ -15,7 +15,7 @@ STRUCTURES = ("jet", "tvi_options", "tvi_compiler", "tvi_stats", "tvi_run_plan",
 NOT_NEEDED = set("""tvi_integrate tvi_integrate_to tvi_integrate_at tvi_integrate_events tvi_integrate_tolerance
     tvi_integrate_tolerance_events tvi_ensemble_integrate tvi_progress tvi_options_default tvi_suggest_step
     tvi_system_dimension tvi_bodies_system tvi_rigid_system jet_sum jet_dot tvi_state_last
-    tvi_ensemble_last""".split())
+    tvi_ensemble_last tvi_record_bytes""".split())
 
 
 def compile_c(text, *arguments):

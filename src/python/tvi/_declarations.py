@@ -13,6 +13,7 @@ typedef struct tvi_compiled tvi_compiled;
 typedef struct tvi_integrator tvi_integrator;
 typedef struct tvi_event tvi_event;
 typedef struct tvi_ensemble tvi_ensemble;
+typedef struct tvi_record tvi_record;
 
 typedef struct {
     int method, expansion, nodes;
@@ -54,8 +55,14 @@ typedef struct {
     void *ctx;
     double largest_step;
     tvi_member_observer *at_step;
+    tvi_record *record;
     size_t size;
 } tvi_run_plan;
+
+typedef struct {
+    const double *end, *at_times, *at_events;
+    size_t size;
+} tvi_loss;
 
 typedef struct {
     int bodies, axes;
@@ -178,6 +185,13 @@ tvi_status tvi_state_from_text(tvi_integrator *integrator, const char *text, siz
                                double p[]);
 """
 
+GRADIENTS = """
+tvi_status tvi_record_create(tvi_record **out, const tvi_integrator *integrator, size_t bytes);
+void tvi_record_free(tvi_record *record);
+long tvi_record_counts(const tvi_record *record, int *times, int *events);
+tvi_status tvi_gradient(tvi_record *record, const tvi_loss *loss, double by_start[], double by_parameters[]);
+"""
+
 ENSEMBLES = """
 tvi_status tvi_ensemble_create(tvi_ensemble **out, const tvi_system *system, const tvi_options *options, int members,
                         int threads);
@@ -233,4 +247,4 @@ void tvi_rigid_turn(const double axis[3], double angle, double quaternion[4]);
 void tvi_rigid_angular_momentum(const tvi_rigid *r, const double q[], const double p[], double L[3]);
 """
 
-FUNCTIONS = JETS + SYSTEMS + METHODS + INTEGRATORS + ENSEMBLES + BODIES + RIGID
+FUNCTIONS = JETS + SYSTEMS + METHODS + INTEGRATORS + GRADIENTS + ENSEMBLES + BODIES + RIGID

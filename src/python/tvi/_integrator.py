@@ -44,6 +44,7 @@ class Integrator(Made):
         self._t, self._q, self._p = Doubles(1), Doubles(system.n), Doubles(system.n)
         self._tangent: Doubles | None = None
         self._busy = Busy("integrator")
+        self._record: Any = None  # of a run whose gradient is wanted (_gradient.py)
         self.t, self.q = t, q
         values = system.values(parameters)
         options = ffi.new("tvi_options *", self.method._options[0])
@@ -272,6 +273,8 @@ class Integrator(Made):
         """A run; what Observers.hear and Course say of the last arguments."""
         guard, tangent = Guard(), self._tangent  # which another thread may replace until the run begins
         plan = new_plan(way, recorded, tangent)
+        if self._record is not None:
+            plan.record = self._record.handle.pointer
         observers = Observers(self.system.n, plan, guard, **functions)
         is_counted = self._is_counted(way)
         if after_step is not None or not is_counted or functions.get("on_event"):

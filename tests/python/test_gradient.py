@@ -1,0 +1,112 @@
+"""Gradients of runs in Python: against differences, in shapes and names, and refusals."""
+
+import unittest
+
+import numpy as np
+import tvi
+
+
+def chain(n):
+    def potential(q, k, ab):
+        r = np.concatenate([[q[0]], q[1:] - q[:-1], [-q[-1]]])
+        return sum(k[i] * r[i]**2 * (0.5 + ab[0] * r[i] / 3 + ab[1] * r[i]**2 / 4) for i in range(n + 1))
+
+    return tvi.potential(n, potential, k=1 + 0.05 * np.sin(np.arange(n + 1)**2), ab=[0.25, 0.5])
+
+
+def differences(function, x, d=1e-3):
+    """Central differences of eighth order."""
+    by, factors = np.empty(len(x)), (4 / 5, -1 / 5, 4 / 105, -1 / 280)
+    for i in range(len(x)):
+        e = np.zeros(len(x))
+        e[i] = d
+        by[i] = sum(f * (function(x + (k + 1) * e) - function(x - (k + 1) * e)) for k, f in enumerate(factors)) / d
+    return by
+
+
+class Gradients(unittest.TestCase):
+    def test_data_at_times(self):
+        n, times = 4, np.linspace(0, 10, 21)
+        system, data = chain(n), np.random.default_rng(1).normal(size=(21, n))
+
+        def run(x, **more):
+            return tvi.solve(system, (0, 11), x[:n], v0=x[n:2 * n], h=0.5, t_eval=times, k=x[2 * n:3 * n + 1],
+                             ab=x[3 * n + 1:], **more)
+
+        x = np.concatenate([np.sin(np.arange(n)), np.cos(np.arange(n)), system.parameters["k"], [0.25, 0.5]])
+        orbit = run(x, gradient=True)
+        g = orbit.gradient(q=orbit.q - data, p_end=np.ones(n))
+        by = np.concatenate([g.q0, g.v0, g.k, g.ab])
+        loss = lambda x: (lambda r: ((r.q - data)**2).sum() / 2 + r.p_end.sum())(run(x))
+        expected = differences(loss, x)
+        np.testing.assert_allclose(by, expected, atol=1e-9 * np.abs(expected).max())
+        self.assertEqual((g.k.shape, g.ab.shape, np.shape(g.t0)), ((n + 1,), (2,), ()))
+        self.assertIs(g.parameters["k"], g.k)
+        self.assertIn("k, ab", repr(g))
+
+    def test_runs_in_pieces_are_one_record(self):
+        kepler = tvi.potential(2, lambda q, mu: -mu / np.sqrt(q @ q), mu=1.0)
+        run = tvi.solve(kepler, (0, 3000), [1, 0], [0, 0.8], h=0.1, gradient=True)
+        g = run.gradient(q_end=[1, 0], p_end=[0, 1])
+        it = tvi.Integrator(kepler, [1, 0], [0, 0.8])
+        it.tangent = np.eye(5)
+        it.integrate_to(0.1, 3000)
+        by = np.array([1, 0, 0, 1]) @ it.tangent[:4]
+        np.testing.assert_allclose([*g.q0, *g.p0, g.mu], by, atol=1e-9 * np.abs(by).max())
+
+    def test_events(self):
+        kepler = tvi.potential(2, lambda q, mu: -mu / np.sqrt(q @ q), mu=1.0)
+        closest = tvi.event(lambda q, p: q @ p, direction=1)
+        axis = tvi.event(lambda q, p: q[1])
+
+        def run(x, **more):
+            return tvi.solve(kepler, (x[5], x[5] + 20), x[:2], x[2:4], h=0.1, events=[closest, axis], mu=x[4], **more)
+
+        def loss(x):
+            one, two = run(x).events
+            return one.t.sum() + (two.q[:, 0]**2).sum() / 2 + two.p[1, 0]
+
+        x = np.array([1, 0.1, 0.05, 0.8, 1, 0.3])
+        orbit = run(x, gradient=True)
+        one, two = orbit.events
+        by_q, by_p = np.zeros_like(two.q), np.zeros_like(two.p)
+        by_q[:, 0], by_p[1, 0] = two.q[:, 0], 1
+        g = orbit.gradient(events=[{"t": np.ones(len(one.t))}, {"q": by_q, "p": by_p}])
+        expected = differences(loss, x, 1e-4)
+        np.testing.assert_allclose([*g.q0, *g.p0, g.mu, g.t0], expected, atol=1e-8 * np.abs(expected).max())
+
+    def test_a_run_that_an_event_ends(self):
+        spring = tvi.potential(1, lambda q, k: k * q[0]**2 / 2, k=4.0)
+        zero = tvi.event(lambda q, p: q[0], terminal=True)
+        run = tvi.solve(spring, (0, 10), [1], p0=0, h=0.1, events=zero, gradient=True)
+        g = run.gradient(t_end=1)  # pi / (2 sqrt k)
+        self.assertAlmostEqual(g.k, -np.pi / 4 * 4.0**-1.5, places=12)
+        self.assertAlmostEqual(g.q0[0], 0, places=12)
+        self.assertAlmostEqual(g.t0, 1, places=12)
+
+    def test_refusals(self):
+        spring = tvi.potential(1, lambda q, k: k * q[0]**2 / 2, k=4.0)
+        general = tvi.hamiltonian(1, lambda q, p: p[0]**2 / 2 + q[0] * p[0] + q[0]**2)
+        start = (0, 1), [1]
+        with self.assertRaisesRegex(TypeError, "take run.h of a first run"):
+            tvi.solve(spring, *start, p0=0, gradient=True)
+        with self.assertRaisesRegex(TypeError, "take run.h of a first run"):
+            tvi.solve(spring, *start, p0=0, tolerance=1e-9, gradient=True)
+        with self.assertRaisesRegex(TypeError, "for constant masses: give p0="):
+            tvi.solve(general, *start, v0=[0], h=0.1, gradient=True)
+        with self.assertRaisesRegex(tvi.Error, "for the methods galerkin and stormer-verlet"):
+            tvi.solve(spring, *start, p0=0, h=0.1, method="poincare", order=8, gradient=True)
+        plain = tvi.solve(spring, *start, p0=0, h=0.1)
+        with self.assertRaisesRegex(TypeError, "gradient=True"):
+            plain.gradient(q_end=[1])
+        run = tvi.solve(spring, *start, p0=0, h=0.1, gradient=True)
+        with self.assertRaisesRegex(TypeError, "give t_eval"):
+            run.gradient(q=[[1]])
+        with self.assertRaisesRegex(ValueError, "q_end"):
+            run.gradient(q_end=[1, 2])
+        with self.assertRaises(ValueError):
+            run.gradient(q_end=[np.nan])
+
+
+if __name__ == "__main__":
+    unittest.main()
