@@ -164,16 +164,22 @@ typedef struct {
     double largest_step;          /* no step to a tolerance is larger; 0: no limit */
     tvi_member_observer *at_step; /* called after each step of a member, with 1.. (INT_MAX from there on) */
     struct tvi_record *record;    /* what the run leaves behind for gradients (tvi_gradient.h); not in an ensemble */
-    size_t size;                  /* sizeof(tvi_run_plan), or 0: that of the first version that had it */
+    /* All columns of D are moved by one system that keeps the history of its steps, two to four times cheaper than each
+     * by itself (docs/chaos.md). D is then the same to roundoff, and not bit for bit. It serves tvi_run with "galerkin"
+     * and, for constant masses, "stormer-verlet" and "taylor"; but no constrained system, no K = g (H + e), and no
+     * Lagrangian that is not separable (TVI_EUNSUPPORTED). */
+    bool columns_at_once;
+    size_t size; /* sizeof(tvi_run_plan), or 0: that of the first version that had it */
 } tvi_run_plan;
 
 /* Makes the run that the plan describes, from (t, q, p) in place. Within a step the times and the events are reported
  * in order of time, a time before an event at the same time; then at_step is called, then observer. The steps, and all
- * that is reported of them, are bit for bit those of the functions above, and D after a step is bit for bit that of
- * tvi_step_tangent. While at_time or on_event is called, D belongs to the state that is reported, at this fixed time:
- * it is D at the start of the step, moved by the part of the step that leads there. Numbers written to D there have no
- * effect on the steps that follow; at_step and observer may change D. With a tolerance D is moved by a step of the size
- * that was chosen, without the refinement of the state in long double. The run ends, as those of the functions above,
+ * that is reported of them, are bit for bit those of the functions above, and without columns_at_once D after a step is
+ * bit for bit that of tvi_step_tangent. While at_time or on_event is called, D belongs to the state that is reported,
+ * at this fixed time: it is D at the start of the step, moved by the part of the step that leads there. Numbers written
+ * to D there have no effect on the steps that follow; at_step and observer may change D. With a tolerance D is moved by
+ * a step of the size that was chosen, without the refinement of the state in long double. The run ends, as those of the
+ * functions above,
  *   - when on_event returns a value other than 0, or at a terminal event: at the event, with D there;
  *   - when at_time does: after the step that contains the time, with D after that step. With events in the plan, all
  *     events and times of that step are reported before. Without, its other times may be given in the next call, and
@@ -181,7 +187,8 @@ typedef struct {
  * If a step or a column of D fails, t, q, p and D are those after the last step that did not.
  *   TVI_EINVAL        NULL; a plan of two modes, or whose members contradict each other, which tvi_last_error names;
  *                     another size; what the function above for its mode refuses
- *   TVI_EUNSUPPORTED  a tolerance with another method than "taylor", or a rescaled system
+ *   TVI_EUNSUPPORTED  a tolerance with another method than "taylor", or a rescaled system; columns_at_once where it
+ *                     does not serve, and in an ensemble
  *   TVI_ENONFINITE    also D that is not finite, before or after a step
  *   TVI_ESTOPPED      an observer or a terminal event ended the run
  *   TVI_ENOMEM        no memory

@@ -4,6 +4,7 @@
  * before and after the last step are stored, since the vectors at a point inside the step are computed from the vectors
  * before the step. */
 #include "integrator/tangent.h"
+#include "integrator/columns.h"
 #include "method/method.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
@@ -34,7 +35,8 @@ struct tvi_tangent {
     /* [2 parameters] The parameters of the lifted system: the integrator's values, then the components of the tangent
      * vector that belong to the parameters. */
     double *parameters_and_rates;
-    tvi_step_columns last_step; /* the columns of the integrator's last step */
+    tvi_step_columns last_step;   /* the columns of the integrator's last step */
+    tvi_columns_at_once *at_once; /* the memory for columns that are moved at once; NULL if none have been */
 };
 
 void tvi_step_columns_exchange(tvi_integrator *it, tvi_step_columns *columns)
@@ -53,6 +55,7 @@ void tvi_step_columns_free(tvi_step_columns *columns)
 static void free_tangent(tvi_tangent *tangent)
 {
     if (!tangent) return;
+    tvi_at_once_free(tangent->at_once);
     tvi_integrator_free(tangent->lifted_integrator);
     tvi_system_free(tangent->lifted_system);
     free(tangent->lifted_q);
@@ -352,14 +355,14 @@ static size_t count_column_elements(const tvi_integrator *it, const tvi_tangent_
 
 static void copy_columns_from_user(const tvi_integrator *it, const tvi_tangent_columns *columns, double elements[])
 {
-    for (size_t i = 0; i < count_column_elements(it, columns); i++)
-        elements[i] = columns->elements[i * columns->element_spacing];
+    const size_t count = count_column_elements(it, columns);
+    for (size_t i = 0; i < count; i++) elements[i] = columns->elements[i * columns->element_spacing];
 }
 
 static void copy_columns_to_user(const tvi_integrator *it, const tvi_tangent_columns *columns, const double elements[])
 {
-    for (size_t i = 0; i < count_column_elements(it, columns); i++)
-        columns->elements[i * columns->element_spacing] = elements[i];
+    const size_t count = count_column_elements(it, columns);
+    for (size_t i = 0; i < count; i++) columns->elements[i * columns->element_spacing] = elements[i];
 }
 
 bool tvi_columns_match_last_step_end(const tvi_integrator *it, const tvi_tangent_columns *columns)
@@ -376,6 +379,16 @@ bool tvi_columns_match_last_step_end(const tvi_integrator *it, const tvi_tangent
     return true;
 }
 
+tvi_status tvi_columns_allocate(tvi_integrator *it, const tvi_tangent_columns *columns)
+{
+    if (!columns->elements) return TVI_OK;
+    tvi_status status = columns->are_at_once ? tvi_at_once_check(it, columns->count) : TVI_OK;
+    if (status == TVI_OK) status = tvi_integrator_allocate_tangents(it, columns->count);
+    if (status == TVI_OK && columns->are_at_once)
+        status = tvi_at_once_provide(&it->tangent->at_once, it, columns->count, columns->elements);
+    return status;
+}
+
 void tvi_columns_store_run_start(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
     if (tvi_columns_match_last_step_end(it, columns)) return;
@@ -387,15 +400,21 @@ tvi_status tvi_columns_propagate_by_step(const tvi_integrator *it, const tvi_tan
 {
     if (!columns->elements) return TVI_OK;
     tvi_tangent *tangent = it->tangent;
-    const tvi_tangent_columns start = {tangent->last_step.at_start, columns->count, 1},
-                              end = {tangent->last_step.at_end, columns->count, 1};
+    const tvi_tangent_columns start = {tangent->last_step.at_start, columns->count, 1, false},
+                              end = {tangent->last_step.at_end, columns->count, 1, false};
+    const size_t bytes = count_column_elements(it, columns) * sizeof *end.elements;
     copy_columns_from_user(it, columns, start.elements);
-    memcpy(end.elements, start.elements, count_column_elements(it, columns) * sizeof *end.elements);
+    const bool goes_on =
+        tangent->last_step.step_number == it->stats.steps - 1 && memcmp(start.elements, end.elements, bytes) == 0;
+    memcpy(end.elements, start.elements, bytes);
     tangent->last_step.step_number = 0;
     tvi_status status = tvi_columns_check_finite(it, &start);
     if (status == TVI_OK)
-        status = multiply_columns_by_jacobian(
-            it, &(differentiated_step){&it->last_step.start, it->parameters, it->last_step.h}, &start, &end);
+        status =
+            columns->are_at_once
+                ? tvi_at_once_multiply(tangent->at_once, it, start.elements, goes_on, end.elements)
+                : multiply_columns_by_jacobian(
+                      it, &(differentiated_step){&it->last_step.start, it->parameters, it->last_step.h}, &start, &end);
     if (status != TVI_OK) return status;
     tangent->last_step.step_number = it->stats.steps;
     tangent->last_step.propagated_count = columns->count;
@@ -407,13 +426,17 @@ tvi_status tvi_columns_propagate_to_offset(const tvi_integrator *it, const tvi_t
                                            const double parameters[])
 {
     if (!columns->elements) return TVI_OK;
-    const tvi_tangent_columns start = {it->tangent->last_step.at_start, columns->count, 1};
+    const tvi_tangent *tangent = it->tangent;
+    const tvi_tangent_columns start = {tangent->last_step.at_start, columns->count, 1, false};
     tvi_columns_restore_step_end(it, columns);
     if (offset == it->last_step.h) return TVI_OK;
     tvi_columns_restore_step_start(it, columns);
     if (offset == 0) return TVI_OK;
-    const tvi_status status = multiply_columns_by_jacobian(
-        it, &(differentiated_step){&it->last_step.start, parameters, offset}, &start, columns);
+    const tvi_status status =
+        columns->are_at_once
+            ? tvi_at_once_multiply_by_part(tangent->at_once, it, start.elements, parameters, offset, columns->elements)
+            : multiply_columns_by_jacobian(it, &(differentiated_step){&it->last_step.start, parameters, offset}, &start,
+                                           columns);
     if (status != TVI_OK) tvi_columns_restore_step_end(it, columns);
     return status;
 }

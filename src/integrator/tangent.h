@@ -12,6 +12,7 @@ typedef struct {
     double *elements;
     int count;
     size_t element_spacing;
+    bool are_at_once; /* They are moved by one lifted system (columns.h), and not each by itself; then spacing is 1. */
 } tvi_tangent_columns;
 
 /* The tangent vectors of a run before and after its last step. Points inside the step are computed from those before
@@ -31,6 +32,8 @@ TVI_NODISCARD tvi_status tvi_columns_check_finite(const tvi_integrator *integrat
 /* The functions below update the columns of a run (run.c, times.c). A run without tangent vectors has
  * columns->elements = NULL; all of them then do nothing. */
 
+/* Allocates the memory for the columns of a run, or refuses them. */
+TVI_NODISCARD tvi_status tvi_columns_allocate(tvi_integrator *integrator, const tvi_tangent_columns *columns);
 /* Prepares a run: stores the user's columns as those from which the first step starts. */
 void tvi_columns_store_run_start(const tvi_integrator *integrator, const tvi_tangent_columns *columns);
 /* Multiplies the columns by the Jacobian matrix of the integrator's last step. On failure the columns are unchanged. */

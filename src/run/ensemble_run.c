@@ -121,6 +121,8 @@ tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_ensemble_plan *pla
     if (checked == TVI_OK && plan->record)
         checked = jet_refuse(TVI_EUNSUPPORTED, "an ensemble has no record: gradients are for integrators");
     if (checked != TVI_OK) return checked;
+    if (plan->columns_at_once)
+        return jet_refuse(TVI_EUNSUPPORTED, "columns_at_once is for tvi_run: members move each column alone");
     const tvi_status provided = allocate_tangents(ensemble, plan->columns);
     if (provided != TVI_OK) return provided;
     return run_all_segments(ensemble, (tvi_ensemble_segment){*plan, 0, t, q, p, status});

@@ -30,6 +30,7 @@ static const char *find_contradiction(const tvi_run_plan *plan)
     if (!(plan->largest_step >= 0 && isfinite(plan->largest_step))) return "largest_step is negative or not finite";
     if (plan->columns > 0 && !plan->D) return "columns is given, and D is NULL";
     if (plan->D && plan->columns == 0) return "D is given, and columns is 0";
+    if (plan->columns_at_once && !plan->D) return "columns_at_once is given without D";
     if (plan->times && plan->time_count == 0) return "times is given, and time_count is 0";
     if (plan->at_time && plan->time_count == 0) return "at_time is given, and time_count is 0";
     if (plan->on_event && plan->event_count == 0) return "on_event is given, and event_count is 0";

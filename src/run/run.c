@@ -325,7 +325,7 @@ static tvi_status run_integrator(tvi_integrator *it, const tvi_single_run *run, 
     bool continues_last_step = false;
     tvi_status status = check_direction(plan, *t);
     if (status == TVI_OK && plan->time_count > 0) status = tvi_times_check(it, run, *t, q, p, &continues_last_step);
-    if (status == TVI_OK && run->columns.elements) status = tvi_integrator_allocate_tangents(it, run->columns.count);
+    if (status == TVI_OK) status = tvi_columns_allocate(it, &run->columns);
     if (status == TVI_OK && run->columns.elements) status = tvi_columns_check_finite(it, &run->columns);
     if (status == TVI_OK && (it->is_in_observer || has_steps)) status = tvi_integrator_begin_step(it, *t, q, p);
     if (status == TVI_OK && has_steps && plan->record) status = tvi_record_begin_run(plan->record, it);
@@ -345,7 +345,7 @@ tvi_status tvi_run_observed(tvi_integrator *it, const tvi_run_plan *plan, tvi_ob
     if (!it || !t || !q || !p) return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, t, q, p, 1}, "");
     const tvi_status status = tvi_plan_check(it, plan);
     if (status != TVI_OK) return status;
-    const tvi_single_run run = {plan, observers, {plan->D, plan->columns, 1}, 0};
+    const tvi_single_run run = {plan, observers, {plan->D, plan->columns, 1, plan->columns_at_once}, 0};
     return run_integrator(it, &run, t, q, p);
 }
 
@@ -416,7 +416,7 @@ tvi_status tvi_run_member(tvi_integrator *it, const tvi_member_run *member_run, 
                       .on_event = plan->on_event ? call_event_observer : NULL,
                       .ctx = (void *)member_run},
         .columns = {plan->D ? plan->D + member_run->member_index : NULL, plan->columns,
-                    (size_t)member_run->member_count},
+                    (size_t)member_run->member_count, plan->columns_at_once},
         .step_count_before_segment = member_run->step_count_before_segment,
     };
     return run_integrator(it, &run, t, q, p);

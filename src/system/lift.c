@@ -1,5 +1,5 @@
-/* lift.c - Records the lift of a system, whose tangents move with the motion (docs/method.md section 10): its field,
- * and the derivative of the field along a tangent vector, by forward accumulation (ad/lift.c). */
+/* lift.c - Records the lifts of a system, whose tangents move with the motion (docs/method.md section 10): its field,
+ * and the derivatives of the field along one tangent vector or several, by forward accumulation (ad/lift.c). */
 #include "system/statement.h"
 #include "system/constraint.h"
 #include "system/refuse.h"
@@ -96,4 +96,82 @@ tvi_status tvi_system_create_lift(tvi_system **out, const tvi_system *system, tv
     tvi_system_free(*out);
     *out = NULL;
     return jet_explain_out_of_memory(status);
+}
+
+/* ---- Several tangent vectors ------------------------------------------------------------------------------------- */
+
+/* Records the derivative of the base's field along column c, whose components are those of coordinate (1 + c) n on and
+ * whose parameters are those from (1 + c) P on; for the first column also the field itself. The column moves the
+ * parameters i with moves[i] alone. The jets are scratch. */
+static bool record_column(system_recording *recording, const tvi_system *base, int c, const bool moves[], jet jets[])
+{
+    const int n = base->n, N = recording->system->n, P = tvi_system_parameters(base);
+    const int inputs = jet_graph_input_count(base->record.graph), outputs = base->input_count;
+    const int time = inputs == n + 1 ? n : 2 * n, first = (1 + c) * n;
+    jet *input = jets, *direction = input + inputs, *value = direction + inputs, *rate = value + outputs;
+    jet *parameter_direction = rate + outputs;
+    for (int i = 0; i < inputs; i++) input[i] = direction[i] = jet_make_unset_poison();
+    for (int i = 0; i < time; i++) {
+        const jet *from = i < n ? recording->q : recording->v;
+        input[i] = from[i % n];
+        direction[i] = from[first + i % n];
+    }
+    input[time] = recording->t;
+    direction[time] = jet_const(0);
+    for (int i = 0; i < P; i++)
+        parameter_direction[i] =
+            moves[i] ? jet_graph_record_parameter(recording->system->record.graph, (1 + c) * P + i, 0) : jet_const(0);
+    if (!jet_record_forward_derivatives(base->record.graph, recording->system->record.graph, input, direction,
+                                        parameter_direction, outputs, base->record.field, value, rate))
+        return false;
+    for (int i = 0; i < outputs; i++) {
+        const int half = i < n ? 0 : N;
+        if (c == 0) recording->field[half + i % n] = value[i];
+        recording->field[half + first + i % n] = rate[i];
+    }
+    return true;
+}
+
+static tvi_status record_columns(system_recording *recording, const system_statement *statement)
+{
+    const tvi_system *base = statement->base;
+    tvi_system *system = recording->system;
+    const bool *moves = statement->ctx;
+    const int parameters = tvi_system_parameters(base);
+    const size_t inputs = (size_t)jet_graph_input_count(base->record.graph), outputs = (size_t)base->input_count;
+    if (base->form != TVI_SEPARABLE) system->form = TVI_FIELD;
+    system->has_masses = base->has_masses;
+    for (int i = 0; i < system->n; i++) system->mass[i] = base->mass[i % base->n];
+    jet *jets = malloc((2 * (inputs + outputs) + (size_t)parameters) * sizeof *jets);
+    bool recorded = jets != NULL;
+    for (int c = 0; c < system->n / base->n - 1 && recorded; c++)
+        recorded = record_column(recording, base, c, moves + c * parameters, jets);
+    free(jets);
+    return recorded ? TVI_OK : TVI_ENOMEM;
+}
+
+/* Makes the subsystems of the state and of each column parts of their own, `copies` in all: linear equations have no
+ * size, and that of one column says nothing of another. So each column converges by itself, whatever its scale. */
+static void set_subsystems_of_copies(tvi_subsystems *subsystems, const tvi_subsystems *of_base, int n, int copies)
+{
+    subsystems->count = copies * of_base->count;
+    for (int c = 0; c < copies; c++) {
+        for (int k = 0; k < of_base->count; k++)
+            subsystems->end_in_component_list[c * of_base->count + k] = c * n + tvi_subsystems_end(of_base, k, n);
+        for (int i = 0; i < n; i++)
+            subsystems->component_list[c * n + i] = c * n + tvi_subsystems_component_at(of_base, i);
+    }
+}
+
+tvi_status tvi_system_create_columns_lift(tvi_system **out, const tvi_system *system, int columns, const bool moves[])
+{
+    const system_statement statement = {.record = record_columns,
+                                        .base = system,
+                                        .ctx = (void *)moves,
+                                        .has_velocities = system->form != TVI_SEPARABLE};
+    const tvi_status status = tvi_system_record(out, (1 + columns) * system->n, &statement);
+    if (status != TVI_OK) return status;
+    set_subsystems_of_copies(&(*out)->subsystems, &system->subsystems, system->n, 1 + columns);
+    set_subsystems_of_copies(&(*out)->tail.subsystems, &system->tail.subsystems, system->n, 1 + columns);
+    return TVI_OK;
 }

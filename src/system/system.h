@@ -113,6 +113,12 @@ TVI_NODISCARD tvi_status tvi_system_copy(tvi_system **out, const tvi_system *sys
  * lift shares nothing with the system. *out is NULL on failure. */
 typedef enum { TVI_LIFT_PAIRED, TVI_LIFT_SEPARABLE } tvi_lift;
 TVI_NODISCARD tvi_status tvi_system_create_lift(tvi_system **out, const tvi_system *system, tvi_lift lift);
+/* Creates the lift of a system that is no Lagrangian for so many tangent vectors at once, with the coordinates (q,
+ * dq_1, dq_2, ..) and the momenta (p, dp_1, dp_2, ..). It is separable if the system is, and otherwise a field of
+ * rates. Parameter (1 + c) P + i of the lift is the component of tangent vector c, 0.., that belongs to parameter i of
+ * P; it is 0 unless moves[c][i] is set, which makes the field cheaper. */
+TVI_NODISCARD tvi_status tvi_system_create_columns_lift(tvi_system **out, const tvi_system *system, int columns,
+                                                        const bool moves[]);
 
 /* Sets the constants and parameters of the blocks of the system's tapes. parameters NULL stands for the values in the
  * recording. */

@@ -19,10 +19,19 @@ typedef struct {
     void (*start)(double q[], double p[]);
 } columns_problem;
 
-/* Kepler's problem, five bodies, a chain, a magnetic field, a driven pendulum, a reversible rescaled one. */
+/* Kepler's problem, five bodies, a chain, a magnetic field, a driven pendulum, a reversible rescaled one, and a chaotic
+ * orbit. */
 extern const columns_problem columns_problems[];
-enum { COLUMNS_KEPLER, COLUMNS_BODIES, COLUMNS_CHAIN, COLUMNS_MAGNETIC, COLUMNS_DRIVEN, COLUMNS_REVERSIBLE };
-enum { COLUMNS_PROBLEMS = 6 };
+enum {
+    COLUMNS_KEPLER,
+    COLUMNS_BODIES,
+    COLUMNS_CHAIN,
+    COLUMNS_MAGNETIC,
+    COLUMNS_DRIVEN,
+    COLUMNS_REVERSIBLE,
+    COLUMNS_CHAOTIC
+};
+enum { COLUMNS_PROBLEMS = 7 };
 
 /* A run that is at hand. D [rows][rows] begins as the identity. */
 typedef struct {

@@ -158,13 +158,36 @@ static tvi_system *make_reversible(tvi_system **base)
     return made(status, out);
 }
 
+/* Henon and Heiles at the energy 1/8, on an orbit whose neighbours leave it by a factor of 1e12 in 1000 steps. */
+static jet henon_heiles(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    const jet cubic = jet_mul(q[1], jet_sub(jet_sqr(q[0]), jet_div(jet_sqr(q[1]), 3)));
+    return jet_add(jet_div(jet_dot(q, q, 2), 2), jet_mul(jet_parameter(q[0], 0, 1), cubic));
+}
+
+static tvi_system *make_chaotic(tvi_system **base)
+{
+    tvi_system *out;
+    *base = NULL;
+    const tvi_status status = tvi_system_potential(&out, 2, NULL, henon_heiles, NULL);
+    return made(status, out);
+}
+
+static void start_chaotic(double q[], double p[])
+{
+    q[0] = 0.25, q[1] = 0.375;
+    p[0] = 0.1875, p[1] = 0;
+}
+
 const columns_problem columns_problems[] = {
-    [COLUMNS_KEPLER] = {"Kepler", 2, 0.25, make_kepler, start_kepler},
+    [COLUMNS_KEPLER] = {"Kepler", 2, 0.125, make_kepler, start_kepler},
     [COLUMNS_BODIES] = {"5 bodies", BODIES *AXES, 0.2, make_bodies, start_bodies},
     [COLUMNS_CHAIN] = {"chain", MASSES, 0.5, make_chain, start_chain},
     [COLUMNS_MAGNETIC] = {"magnetic", 2, 0.25, make_magnetic, start_magnetic},
     [COLUMNS_DRIVEN] = {"driven", 1, 0.25, make_driven, start_driven},
     [COLUMNS_REVERSIBLE] = {"reversible", 2, 0.25, make_reversible, start_kepler},
+    [COLUMNS_CHAOTIC] = {"chaotic", 2, 0.5, make_chaotic, start_chaotic},
 };
 
 jet columns_lagrangian(const jet q[], const jet v[], jet t, void *ctx)
@@ -199,8 +222,8 @@ void columns_close(columns_run *run)
 
 tvi_run_plan columns_plan(columns_run *run, bool at_once, long steps)
 {
-    return (tvi_run_plan){.h = run->problem->h, .steps = steps, .D = run->D, .columns = run->rows};
-    (void)at_once;
+    return (tvi_run_plan){
+        .h = run->problem->h, .steps = steps, .D = run->D, .columns = run->rows, .columns_at_once = at_once};
 }
 
 double columns_distance(int rows, int columns, const double a[], const double b[])

@@ -350,6 +350,46 @@ static tvi_status run_by_plan(const void *argument, bool *cleared)
     return status;
 }
 
+/* Columns at once, of which an observer's then move another parameter; all or none are made. */
+static int move_parameter(int member, int which, double t, const double q[], const double p[], void *ctx)
+{
+    (void)member, (void)which, (void)t, (void)q, (void)p;
+    ((double *)ctx)[2 * 2 * N + 1] = 1;
+    return 0;
+}
+
+static tvi_status move_at_once(const void *argument, bool *cleared)
+{
+    const integrator_arguments *given = argument;
+    tvi_integrator *integrator;
+    double t = 0, q[N] = {0.1, -0.2, 0.3}, p[N] = {0.1, 0.1, -0.1}, D[2 * (2 * N + 1)] = {42};
+    const tvi_run_plan plan = {
+        .h = 0.01, .steps = 2, .D = D, .columns = 2, .columns_at_once = true, .at_step = move_parameter, .ctx = D};
+    tvi_status status = tvi_integrator_create(&integrator, given->system, given->options);
+    if (status == TVI_OK) status = tvi_run(integrator, &plan, &t, q, p);
+    *cleared = t < 0.02;
+    if (t == 0) *cleared = q[0] == 0.1 && D[0] == 42;
+    tvi_integrator_free(integrator);
+    return status;
+}
+
+static jet stretched(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_mul(jet_parameter(q[0], 0, 1.5), jet_dot(q, q, N));
+}
+
+START_TEST(columns_without_memory)
+{
+    tvi_system *system;
+    ck_assert_int_eq(tvi_system_potential(&system, N, NULL, stretched, NULL), TVI_OK);
+    const integrator_arguments given = {system, NULL};
+    for (int how = FAIL_ONCE; how <= FAIL_ONWARD; how++)
+        ck_assert_int_gt(fail_each(move_at_once, &given, (allocation_failure)how), 60);
+    tvi_system_free(system);
+}
+END_TEST
+
 START_TEST(plans_without_memory)
 {
     tvi_event *event;
@@ -450,6 +490,7 @@ Suite *suite_faults(void)
     TCase *tangents = add_case(suite, "tangents");
     tcase_add_loop_test(tangents, tangents_without_memory, 0, way_count);
     tcase_add_loop_test(tangents, plans_without_memory, 0, way_count);
+    tcase_add_test(tangents, columns_without_memory);
     tcase_add_loop_test(tangents, ensembles_without_memory, 0, way_count);
     tcase_add_loop_test(tangents, gradients_without_memory, 0, 5);
     suite_add_tcase(suite, tcase_allocations());

@@ -56,6 +56,7 @@ typedef struct {
     double largest_step;
     tvi_member_observer *at_step;
     tvi_record *record;
+    bool columns_at_once;
     size_t size;
 } tvi_run_plan;
 

@@ -1,0 +1,468 @@
+/* test_columns.c - Tests that columns of D that are moved at once (tvi_run_plan.columns_at_once) are those that are
+ * moved alone, at steps, times and events, however the run is cut and whatever changes between its steps. */
+#include "columns.h"
+#include "problems/refusals.h"
+#include "system/system.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Ends the test where the run fails. */
+static void go(columns_run *run, const tvi_run_plan *plan)
+{
+    const tvi_status status = tvi_run(run->it, plan, &run->t, run->q, run->p);
+    ck_assert_msg(status == TVI_OK, "%s: %s", run->problem->name, tvi_last_error());
+}
+
+static void steps(columns_run *run, bool at_once, long count)
+{
+    const tvi_run_plan plan = columns_plan(run, at_once, count);
+    go(run, &plan);
+}
+
+static double largest(int count, const double x[])
+{
+    double most = 0;
+    for (int i = 0; i < count; i++) most = fmax(most, fabs(x[i]));
+    return most;
+}
+
+/* The largest difference of elements, relative to the largest element. */
+static double relative_difference(int count, const double a[], const double b[])
+{
+    double most = 0;
+    for (int i = 0; i < count; i++) most = fmax(most, fabs(a[i] - b[i]));
+    return most / largest(count, b);
+}
+
+static void same_state(const columns_run *a, const columns_run *b)
+{
+    ck_assert(a->t == b->t && memcmp(a->q, b->q, sizeof a->q) == 0 && memcmp(a->p, b->p, sizeof a->p) == 0);
+}
+
+static void same_bits(const columns_run *a, const columns_run *b)
+{
+    same_state(a, b);
+    ck_assert_msg(memcmp(a->D, b->D, sizeof a->D) == 0, "%s", a->problem->name);
+}
+
+/* ---- A run ------------------------------------------------------------------------------------------------------- */
+
+static const struct {
+    const char *method;
+    int order, problem;
+} others[] = {{"stormer-verlet", 2, COLUMNS_KEPLER}, {"stormer-verlet", 2, COLUMNS_CHAIN},
+              {"taylor", 16, COLUMNS_BODIES},        {"taylor", 20, COLUMNS_CHAIN},
+              {"galerkin", 8, COLUMNS_BODIES},       {"galerkin", 20, COLUMNS_DRIVEN}};
+enum { OTHERS = sizeof others / sizeof *others };
+
+/* What is alone is rounded at each step without its low-order parts, and so are the steps of its orbit; both orbits are
+ * that of the integrator, bit for bit, or the chaotic one would be another. */
+START_TEST(as_alone)
+{
+    const bool is_other = _i >= COLUMNS_PROBLEMS;
+    const columns_problem *problem = &columns_problems[is_other ? others[_i - COLUMNS_PROBLEMS].problem : _i];
+    const char *method = is_other ? others[_i - COLUMNS_PROBLEMS].method : NULL;
+    const int order = is_other ? others[_i - COLUMNS_PROBLEMS].order : 0;
+    columns_run at_once, alone;
+    columns_open(&at_once, problem, method, order);
+    columns_open(&alone, problem, method, order);
+    steps(&at_once, true, is_other ? 300 : 1000);
+    steps(&alone, false, is_other ? 300 : 1000);
+    same_state(&at_once, &alone);
+    const double apart = relative_difference(at_once.rows * at_once.rows, at_once.D, alone.D);
+    ck_assert_msg(apart <= 1e-12, "%s: %g", problem->name, apart);
+    columns_close(&at_once);
+    columns_close(&alone);
+}
+END_TEST
+
+/* To a time, either way, with a last step of another size; and back. */
+START_TEST(to_a_time)
+{
+    columns_run at_once, alone, *both[] = {&at_once, &alone};
+    for (int k = 0; k < 2; k++) {
+        columns_open(both[k], &columns_problems[_i], NULL, 0);
+        tvi_run_plan plan = columns_plan(both[k], k == 0, 0);
+        plan.has_t_end = true;
+        plan.t_end = 7.3;
+        go(both[k], &plan);
+        plan.h = -plan.h, plan.t_end = 2.2;
+        go(both[k], &plan);
+    }
+    same_state(&at_once, &alone);
+    ck_assert_double_le(relative_difference(at_once.rows * at_once.rows, at_once.D, alone.D), 1e-13);
+    columns_close(&at_once);
+    columns_close(&alone);
+}
+END_TEST
+
+/* Each column is measured by itself: beside others of other scales it has the same bits. */
+START_TEST(scales)
+{
+    columns_run plain, scaled;
+    columns_open(&plain, &columns_problems[_i], NULL, 0);
+    columns_open(&scaled, &columns_problems[_i], NULL, 0);
+    const int rows = plain.rows;
+    for (int i = 0; i < rows * rows; i++) plain.D[i] += 0.1 * sin(i), scaled.D[i] = plain.D[i];
+    for (int i = 0; i < rows * rows; i++) scaled.D[i] = ldexp(scaled.D[i], 100 * (i % rows % 3 - 1));
+    steps(&plain, true, 100);
+    steps(&scaled, true, 100);
+    for (int i = 0; i < rows * rows; i++) scaled.D[i] = ldexp(scaled.D[i], -100 * (i % rows % 3 - 1));
+    same_bits(&plain, &scaled);
+    columns_close(&plain);
+    columns_close(&scaled);
+}
+END_TEST
+
+/* ---- Times and events -------------------------------------------------------------------------------------------- */
+
+enum { MOST_TOLD = 64, TOLD_TIMES = 23 };
+
+typedef struct {
+    const columns_run *run;
+    int count;
+    double t[MOST_TOLD], D[MOST_TOLD][COLUMNS_MOST];
+} diary;
+
+static int tell(int member, int which, double t, const double q[], const double p[], void *ctx)
+{
+    diary *d = ctx;
+    (void)member, (void)which, (void)q, (void)p;
+    ck_assert_int_lt(d->count, MOST_TOLD);
+    d->t[d->count] = t;
+    memcpy(d->D[d->count++], d->run->D, sizeof d->run->D);
+    return 0;
+}
+
+/* A coordinate that moves falls below a part of its value at the start. */
+static jet below(const jet q[], const jet p[], jet t, void *ctx)
+{
+    const columns_problem *problem = ctx;
+    const int i = problem == &columns_problems[COLUMNS_BODIES] ? 3 : 0;
+    double start_q[COLUMNS_MOST_N], start_p[COLUMNS_MOST_N];
+    (void)p, (void)t;
+    problem->start(start_q, start_p);
+    return jet_sub(q[i], 0.6 * start_q[i]);
+}
+
+static tvi_event *event_below(const columns_problem *problem, bool is_terminal)
+{
+    tvi_event *event;
+    ck_assert_int_eq(tvi_event_create(&event, problem->n, TVI_EITHER, is_terminal, below, (void *)problem), TVI_OK);
+    return event;
+}
+
+static void tell_run(columns_run *run, bool at_once, const double times[], const tvi_event *event, diary *d)
+{
+    tvi_run_plan plan = columns_plan(run, at_once, 0);
+    plan.times = times, plan.time_count = TOLD_TIMES;
+    plan.events = &event, plan.event_count = 1;
+    plan.at_time = plan.on_event = tell;
+    plan.ctx = d;
+    d->run = run;
+    d->count = 0;
+    go(run, &plan);
+}
+
+/* The times begin with the start, come several in a step and at its end, and leave steps out. */
+START_TEST(times_and_events)
+{
+    static diary one, other;
+    columns_run at_once, alone;
+    double times[TOLD_TIMES];
+    const columns_problem *problem = &columns_problems[_i];
+    tvi_event *event = event_below(problem, false);
+    columns_open(&at_once, problem, NULL, 0);
+    columns_open(&alone, problem, NULL, 0);
+    for (int i = 0; i < TOLD_TIMES; i++) times[i] = problem->h * (i < 6 ? 0.25 * i : 0.7 * i);
+    tell_run(&at_once, true, times, event, &one);
+    tell_run(&alone, false, times, event, &other);
+    ck_assert_int_eq(one.count, other.count);
+    ck_assert_int_gt(one.count, TOLD_TIMES);
+    for (int i = 0; i < one.count; i++) {
+        ck_assert(one.t[i] == other.t[i]);
+        ck_assert_double_le(relative_difference(at_once.rows * at_once.rows, one.D[i], other.D[i]), 1e-13);
+    }
+    same_state(&at_once, &alone);
+    ck_assert_double_le(relative_difference(at_once.rows * at_once.rows, at_once.D, alone.D), 1e-13);
+    tvi_event_free(event);
+    columns_close(&at_once);
+    columns_close(&alone);
+}
+END_TEST
+
+/* A terminal event ends the run with D there, from which it goes on. */
+START_TEST(on_from_an_event)
+{
+    columns_run at_once, alone, *both[] = {&at_once, &alone};
+    tvi_event *event = event_below(&columns_problems[_i], true);
+    const tvi_event *const *events = (const tvi_event *const *)&event;
+    for (int k = 0; k < 2; k++) {
+        columns_open(both[k], &columns_problems[_i], NULL, 0);
+        tvi_run_plan plan = columns_plan(both[k], k == 0, 10000);
+        plan.events = events, plan.event_count = 1;
+        for (int i = 0; i < 3; i++)
+            ck_assert_int_eq(tvi_run(both[k]->it, &plan, &both[k]->t, both[k]->q, both[k]->p), TVI_ESTOPPED);
+        steps(both[k], k == 0, 10);
+    }
+    same_state(&at_once, &alone);
+    ck_assert_double_le(relative_difference(at_once.rows * at_once.rows, at_once.D, alone.D), 2e-13);
+    tvi_event_free(event);
+    columns_close(&at_once);
+    columns_close(&alone);
+}
+END_TEST
+
+/* ---- Runs in pieces ---------------------------------------------------------------------------------------------- */
+
+START_TEST(cut_runs)
+{
+    columns_run whole, cut;
+    columns_open(&whole, &columns_problems[_i], NULL, 0);
+    columns_open(&cut, &columns_problems[_i], NULL, 0);
+    steps(&whole, true, 40);
+    for (int k = 0; k < 3; k++) steps(&cut, true, (const int[]){1, 12, 27}[k]);
+    same_bits(&whole, &cut);
+    columns_close(&whole);
+    columns_close(&cut);
+}
+END_TEST
+
+/* A list of times in two calls, of which the second begins in the last step of the first; and there, too, where that
+ * step had moved the columns alone. */
+START_TEST(times_in_two_calls)
+{
+    static diary one, parts;
+    columns_run whole, cut, *both[] = {&whole, &cut};
+    const double h = columns_problems[_i].h, times[] = {0.4 * h, 2.1 * h, 2.3 * h, 2.6 * h, 4.5 * h};
+    for (int mixed = 0; mixed < 2; mixed++) {
+        for (int k = 0; k < 2; k++) {
+            diary *d = k ? &parts : &one;
+            columns_open(both[k], &columns_problems[_i], NULL, 0);
+            tvi_run_plan plan = columns_plan(both[k], k == 0 || !mixed, 0);
+            plan.times = times, plan.time_count = k ? 3 : 5;
+            plan.at_time = tell, plan.ctx = d;
+            d->run = both[k], d->count = 0;
+            go(both[k], &plan);
+            plan.times = times + 3, plan.time_count = 2, plan.columns_at_once = true;
+            if (k) go(both[k], &plan);
+        }
+        ck_assert_int_eq(parts.count, 5);
+        for (int i = 0; i < 5; i++)
+            if (mixed) ck_assert_double_le(relative_difference(whole.rows * whole.rows, parts.D[i], one.D[i]), 1e-14);
+            else ck_assert(memcmp(parts.D[i], one.D[i], sizeof one.D[i]) == 0);
+        if (!mixed) same_bits(&whole, &cut);
+        columns_close(&whole);
+        columns_close(&cut);
+    }
+}
+END_TEST
+
+/* From a state with the D of the last step's end: nothing is left of the steps before. */
+START_TEST(begins_anew)
+{
+    columns_run again, fresh;
+    columns_open(&again, &columns_problems[_i], NULL, 0);
+    columns_open(&fresh, &columns_problems[_i], NULL, 0);
+    steps(&again, true, 20);
+    again.t = 0;
+    again.problem->start(again.q, again.p);
+    memcpy(fresh.D, again.D, sizeof fresh.D);
+    steps(&again, true, 20);
+    steps(&fresh, true, 20);
+    same_bits(&again, &fresh);
+    columns_close(&again);
+    columns_close(&fresh);
+}
+END_TEST
+
+/* A state that is read as text, of as many steps and with the same D, but with other parameters. */
+START_TEST(from_a_text)
+{
+    static char text[1 << 16];
+    columns_run at_once, alone, *both[] = {&at_once, &alone};
+    for (int k = 0; k < 2; k++) {
+        columns_run other;
+        double value[COLUMNS_MOST_PARAMETERS];
+        size_t size = sizeof text;
+        columns_open(&other, &columns_problems[_i], NULL, 0);
+        columns_open(both[k], &columns_problems[_i], NULL, 0);
+        tvi_system_recorded_parameters(other.system, value);
+        for (int i = 0; i < other.rows - 2 * other.n; i++) value[i] *= 1.1;
+        ck_assert_int_eq(tvi_integrator_set_parameters(other.it, value), TVI_OK);
+        steps(&other, false, 8);
+        steps(both[k], k == 0, 8);
+        ck_assert_int_eq(tvi_state_to_text(other.it, other.t, other.q, other.p, text, &size), TVI_OK);
+        ck_assert_int_eq(tvi_state_from_text(both[k]->it, text, size, &both[k]->t, both[k]->q, both[k]->p), TVI_OK);
+        steps(both[k], k == 0, 8);
+        columns_close(&other);
+    }
+    same_state(&at_once, &alone);
+    ck_assert_double_le(relative_difference(at_once.rows * at_once.rows, at_once.D, alone.D), 1e-13);
+    columns_close(&at_once);
+    columns_close(&alone);
+}
+END_TEST
+
+/* Changes D after some steps: other numbers, and other parameters that a column moves. */
+static int change(int member, int which, double t, const double q[], const double p[], void *ctx)
+{
+    columns_run *run = ctx;
+    (void)member, (void)t, (void)q, (void)p;
+    if (which % 7 == 3)
+        for (int i = 0; i < run->rows * run->rows; i++) run->D[i] *= 1.1;
+    if (which == 11) run->D[(run->rows - 1) * run->rows] = 0.7;
+    return 0;
+}
+
+START_TEST(changed_between)
+{
+    columns_run at_once, alone, *both[] = {&at_once, &alone};
+    for (int k = 0; k < 2; k++) {
+        double value[COLUMNS_MOST_PARAMETERS];
+        columns_open(both[k], &columns_problems[_i], NULL, 0);
+        tvi_run_plan plan = columns_plan(both[k], k == 0, 30);
+        plan.at_step = change;
+        plan.ctx = both[k];
+        go(both[k], &plan);
+        tvi_system_recorded_parameters(both[k]->system, value);
+        for (int i = 0; i < both[k]->rows - 2 * both[k]->n; i++) value[i] *= 1.01;
+        ck_assert_int_eq(tvi_integrator_set_parameters(both[k]->it, value), TVI_OK);
+        steps(both[k], k == 0, 20);
+        tvi_integrator_reset(both[k]->it);
+        plan.steps = 5, plan.at_step = NULL, plan.columns = 1; /* of the same memory: another matrix */
+        go(both[k], &plan);
+    }
+    same_state(&at_once, &alone);
+    ck_assert_double_le(relative_difference(at_once.rows * at_once.rows, at_once.D, alone.D), 1e-13);
+    columns_close(&at_once);
+    columns_close(&alone);
+}
+END_TEST
+
+/* ---- Failures ---------------------------------------------------------------------------------------------------- */
+
+/* A step whose columns overflow is undone, and D is as it was. */
+START_TEST(overflows)
+{
+    columns_run run, before;
+    columns_open(&run, &columns_problems[_i], NULL, 0);
+    steps(&run, true, 5);
+    run.D[1] = 1.7e308, run.D[run.rows * run.n + 1] = 1.7e308;
+    before = run;
+    const tvi_run_plan plan = columns_plan(&run, true, 5000);
+    expect_refusal("columns that overflow", tvi_run(run.it, &plan, &run.t, run.q, run.p), TVI_ENONFINITE, "D at once");
+    const long made = tvi_integrator_stats(run.it)->steps - 5;
+    run.D[1] = before.D[1] = 0.5, run.D[run.rows * run.n + 1] = before.D[run.rows * run.n + 1] = 0;
+    if (made == 0) same_bits(&run, &before);
+    for (int i = 0; i < run.rows * run.rows; i++) ck_assert(isfinite(run.D[i]));
+    columns_close(&run);
+}
+END_TEST
+
+/* A step that is refused leaves D, too. */
+START_TEST(refused_step)
+{
+    columns_run run, before;
+    columns_open(&run, &columns_problems[COLUMNS_KEPLER], NULL, 0);
+    steps(&run, true, 5);
+    before = run;
+    tvi_run_plan plan = columns_plan(&run, true, 5);
+    plan.h = 100;
+    ck_assert_int_ne(tvi_run(run.it, &plan, &run.t, run.q, run.p), TVI_OK);
+    same_bits(&run, &before);
+    columns_close(&run);
+}
+END_TEST
+
+static void refuse(const char *what, const tvi_system *system, const char *method, int order, const char *culprit)
+{
+    enum { MOST = 8 };
+    tvi_options options = tvi_options_default();
+    tvi_integrator *it;
+    double t = 0, q[MOST] = {1, 0.2}, p[MOST] = {0, 0.7}, D[2 * MOST + 1] = {1};
+    if (method) ck_assert_int_eq(tvi_options_named(method, order, &options), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&it, system, &options), TVI_OK);
+    const tvi_run_plan plan = {.h = 0.01, .steps = 1, .D = D, .columns = 1, .columns_at_once = true};
+    expect_refusal(what, tvi_run(it, &plan, &t, q, p), TVI_EUNSUPPORTED, culprit);
+    ck_assert(t == 0 && D[0] == 1);
+    tvi_integrator_free(it);
+}
+
+static jet half_square(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_mul(0.5, jet_dot(q, q, 2));
+}
+
+static void on_circle(const jet q[], jet t, jet phi[], void *ctx)
+{
+    (void)t, (void)ctx;
+    phi[0] = jet_sub(jet_dot(q, q, 2), 1.04);
+}
+
+START_TEST(refusals)
+{
+    tvi_system *plain, *other;
+    ck_assert_int_eq(tvi_system_potential(&plain, 2, NULL, half_square, NULL), TVI_OK);
+    refuse("a generating function", plain, "midpoint", 8, "this method: it serves \"galerkin\"");
+    refuse("a composition", plain, "svhd", 2, "this method");
+    ck_assert_int_eq(tvi_system_rescaled(&other, plain, NULL, NULL), TVI_OK);
+    refuse("K", other, NULL, 0, "take the reversible form");
+    tvi_system_free(other);
+    other = columns_problems[COLUMNS_MAGNETIC].make(&(tvi_system *){NULL});
+    refuse("a Hamiltonian", other, "taylor", 8, "not separable: it serves \"galerkin\"");
+    tvi_system_free(other);
+    ck_assert_int_eq(tvi_system_lagrangian(&other, 1, columns_lagrangian, NULL), TVI_OK);
+    refuse("a Lagrangian", other, NULL, 0, "state the Hamiltonian");
+    tvi_system_free(other);
+    ck_assert_int_eq(tvi_system_constrained(&other, plain, 1, on_circle, NULL), TVI_OK);
+    refuse("constraints", other, NULL, 0, "a constrained system: leave it out");
+    tvi_system_free(other);
+    tvi_system_free(plain);
+}
+END_TEST
+
+/* In plans, in ensembles, and of too many columns. */
+START_TEST(refused_plans)
+{
+    columns_run run;
+    columns_open(&run, &columns_problems[COLUMNS_KEPLER], NULL, 0);
+    tvi_run_plan plan = columns_plan(&run, true, 1);
+    plan.columns = TVI_MAX_DIMENSION;
+    refused("at most 4999 columns of n = 2", tvi_run(run.it, &plan, &run.t, run.q, run.p), TVI_EUNSUPPORTED);
+    plan.D = NULL, plan.columns = 0;
+    refused("columns_at_once is given without D", tvi_run(run.it, &plan, &run.t, run.q, run.p), TVI_EINVAL);
+    tvi_ensemble *ensemble;
+    tvi_status status;
+    ck_assert_int_eq(tvi_ensemble_create(&ensemble, run.system, NULL, 1, 1), TVI_OK);
+    plan = columns_plan(&run, true, 1);
+    refused("columns_at_once is for tvi_run", tvi_ensemble_run(ensemble, &plan, &run.t, run.q, run.p, &status),
+            TVI_EUNSUPPORTED);
+    tvi_ensemble_free(ensemble);
+    columns_close(&run);
+}
+END_TEST
+
+Suite *suite_columns(void)
+{
+    Suite *suite = suite_create("columns");
+    TCase *tests = tcase_create("columns");
+    tcase_add_loop_test(tests, as_alone, 0, COLUMNS_PROBLEMS + OTHERS);
+    tcase_add_loop_test(tests, to_a_time, 0, COLUMNS_PROBLEMS);
+    tcase_add_loop_test(tests, scales, 0, COLUMNS_PROBLEMS);
+    tcase_add_loop_test(tests, times_and_events, 0, COLUMNS_PROBLEMS);
+    tcase_add_loop_test(tests, on_from_an_event, 0, COLUMNS_PROBLEMS);
+    tcase_add_loop_test(tests, cut_runs, 0, COLUMNS_PROBLEMS);
+    tcase_add_loop_test(tests, times_in_two_calls, 0, COLUMNS_PROBLEMS);
+    tcase_add_loop_test(tests, begins_anew, 0, COLUMNS_PROBLEMS);
+    tcase_add_loop_test(tests, from_a_text, 0, COLUMNS_PROBLEMS);
+    tcase_add_loop_test(tests, changed_between, 0, COLUMNS_PROBLEMS);
+    tcase_add_loop_test(tests, overflows, 0, COLUMNS_PROBLEMS);
+    tcase_add_test(tests, refused_step);
+    tcase_add_test(tests, refusals);
+    tcase_add_test(tests, refused_plans);
+    suite_add_tcase(suite, tests);
+    return suite;
+}
