@@ -43,6 +43,7 @@ class Integrator(Made):
         q, p, v = start_of_one("q p v", system, q, p, v)
         self._t, self._q, self._p = Doubles(1), Doubles(system.n), Doubles(system.n)
         self._tangent: Doubles | None = None
+        self._at_once = False  # Runs move all columns of the tangent at once.
         self._busy = Busy("integrator")
         self._record: Any = None  # of a run whose gradient is wanted (_gradient.py)
         self.t, self.q = t, q
@@ -275,6 +276,7 @@ class Integrator(Made):
         plan = new_plan(way, recorded, tangent)
         if self._record is not None:
             plan.record = self._record.handle.pointer
+        plan.columns_at_once = self._at_once and tangent is not None
         observers = Observers(self.system.n, plan, guard, **functions)
         is_counted = self._is_counted(way)
         if after_step is not None or not is_counted or functions.get("on_event"):

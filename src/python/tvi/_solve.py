@@ -16,6 +16,7 @@ from ._arrays import Array, fraction, numbers, step_size
 from ._events import Found, Recorded, events_of, found
 from ._gradient import Gradient, Record, check_arguments, gradient_of
 from ._integrator import Integrator
+from ._jacobian import Columns, Derivatives
 from ._library import Error, Interrupted
 from ._methods import Compiled, Method, compile, measured_step, method_to
 from ._recorder import ROWS, Progress, Recorder
@@ -34,7 +35,8 @@ class Result:
     multipliers [k, m], constraint_force [k, n]: of m constraints, else None. events: for each function its t [e], q and
     p [e, n]. status: 0 the end was reached, 1 a terminal event ended the run, -1 a step was refused, -2 Ctrl-C;
     success: whether it is 0 or 1; message: the same in words. stats: tvi.Stats. h: the step; error: what
-    tvi.suggest_step measured, None where the step was given. sol: see tvi.solve.
+    tvi.suggest_step measured, None where the step was given. sol: see tvi.solve. by: the derivatives by the names of
+    jacobian=, as by.k [time, 2n, ...].
     t_end, q_end, p_end: the state at the end; integrator: the tvi.Integrator, which may go on from there."""
 
     def __init__(self, integrator: Integrator, way: dict[str, Any], h: float, error: float | None):
@@ -46,6 +48,7 @@ class Result:
         self.t_end, self.q_end, self.p_end = integrator.t, integrator.q.copy(), integrator.p.copy()
         self.status, self.message = 0, ""
         self.sol: Solution | None = None
+        self.by: Derivatives | None = None
         self.stats: Stats = integrator.stats
         self._record: Record | None = None
         self._event_order: list[int] = []
@@ -139,6 +142,7 @@ class Run:
         self.progress = Progress(progress, integrator.t, t_end)
         self.told: list[tuple] = []
         self.recorder: Recorder | None = None
+        self.columns: Columns | None = None
 
     def record(self, steps: float) -> None:
         it = self.integrator
@@ -153,7 +157,7 @@ class Run:
         times = dense = None
         if t_eval is not None and "h" in self.way:
             times, rows = t_eval, []
-            functions["at_time"] = lambda member, which, t, q, p: rows.append((t, q, p))
+            functions["at_time"] = lambda member, which, t, q, p: self._tell(rows, t, q, p)
         elif t_eval is not None:
             dense = Dense(it, t_eval)
             dense.start()
@@ -163,8 +167,14 @@ class Run:
         after_step = self._after_step(None if in_pieces else recorder, dense)
         cuts = {"every": recorder.every} if in_pieces else {}
         try:
-            is_whole = it._go(way, recorded, functions, after_step, after=self._after(recorder if in_pieces else None),
-                              **cuts)
+            cuts["after"] = self._after(recorder if in_pieces else None)
+            try:
+                is_whole = it._go(way, recorded, functions, after_step, **cuts)
+            except Error as error:
+                if self.columns is None or not self.columns.alone(error):
+                    raise
+                rows.clear()
+                is_whole = it._go(way, recorded, functions, after_step, **cuts)
             self.result.status = 0 if is_whole else 1
         except Error as error:
             if it.system.constraints and it.stats.steps == 0 and error.status in ("EINVAL", "ESINGULAR"):
@@ -175,6 +185,11 @@ class Run:
             raise
         finally:
             self._keep(rows if t_eval is not None else None, len(events))
+
+    def _tell(self, rows: list, t: float, q: np.ndarray, p: np.ndarray) -> None:
+        rows.append((t, q, p))
+        if self.columns is not None:
+            self.columns.keep()
 
     def _after_step(self, recorder: Recorder | None, dense: Dense | None) -> Callable | None:
         if recorder is None and dense is None:
@@ -215,6 +230,7 @@ class Run:
         result.events = found(self.told, n, count)
         result._event_order, result._is_at_times = [told[0] for told in self.told], rows is not None
         result.t_end, result.q_end, result.p_end = it.t, it.q.copy(), it.p.copy()
+        result.by = None if self.columns is None else self.columns.end()
         result.stats = it.stats
         if self.recorder is not None:
             result.sol = Solution(it, self.way, recorded, result.t_end)
@@ -225,7 +241,7 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
           error: float | None = None, tolerance: float | None = None, largest_step: float | None = None,
           method: "str | Method" = "galerkin", order: int = 16, t_eval: Array = None, events: Any = (),
           dense_output: bool = False, compiled: "bool | str | Compiled" = "auto", progress: "bool | Callable" = False,
-          gradient: bool = False, **parameters: Any) -> Result:
+          gradient: bool = False, jacobian: "str | list[str] | None" = None, **parameters: Any) -> Result:
     """A run from t_span[0] to t_span[1], either way, from q0 [n], and p0 or v0 [n], one of them; 0: at rest.
 
     The step: h (of a rescaled system in s); or error, the wanted error of the state at the end, for which h is chosen
@@ -239,7 +255,9 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
     dense_output: the result has sol(t). compiled: False; True; what tvi.compile made; "auto": compiled where there is
     a compiler and so many steps are made that it gains (steps times n from 1e8 on). progress: True draws a bar on a
     terminal; a function is called with t and the part that is done. gradient: the result has gradient(), with h and
-    "galerkin" or "stormer-verlet" alone. parameters: values of those of the system.
+    "galerkin" or "stormer-verlet" alone. jacobian, with h and t_eval: names of parameters, "q0", and "p0" or "v0",
+    whichever was given; the result's by.k [time, 2n, ...] then is the derivative of q and p at these times by k, exact
+    for the steps that were made. parameters: values of those of the system.
 
     A step that is refused ends the run: status -1, with the text of tvi_last_error in the message, and what was
     reached. Raises tvi.Error where there is no run at all, as for a method that does not serve the system, an error
@@ -254,6 +272,10 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
     """
     t, t_end = span_of(system, t_span)
     is_default = h is None and error is None and tolerance is None
+    if jacobian is not None and h is None:
+        raise TypeError("jacobian is that of the steps that are made, and needs h: take run.h of a first run")
+    if jacobian is not None and t_eval is None:
+        raise TypeError("jacobian is that of the states at t_eval: give the times")
     h, error, tolerance = steps_of(system, t_end - t, h, error, tolerance, largest_step)
     times = _times(t_eval, t, t_end)
     several = events_of(events)
@@ -275,11 +297,13 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
         steps = expected_steps(it, h, t_end)
     if code := code_of(compiled, system, method, steps):
         it = Integrator(system, it.q, it.p, t=t, method=method, compiled=code, **parameters)
+    columns = None if jacobian is None else Columns(it, jacobian, v0 is not None)
     way = {"h": h} if tolerance is None else {"tolerance": tolerance, "largest_step": largest_step}
     result = Result(it, way, h or math.nan, measured)
     if gradient:
         it._record = result._record = Record(it)
     run = Run(it, result, way, t_end, progress)
+    run.columns = columns
     if times is None or dense_output:
         run.record(1 if math.isnan(steps) or system.is_rescaled else steps)
     try:
