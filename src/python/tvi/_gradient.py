@@ -55,10 +55,10 @@ def has_constant_mass(system: System) -> bool:
 def check_arguments(system: System, is_by_h: bool, v0: Any, callbacks: bool) -> None:
     """Refuses runs that have no gradient, before they are made."""
     if not is_by_h:
-        raise TypeError("gradient=True takes h, with which the run is the same map each time: take run.h of a first run")
+        raise TypeError("gradient=True takes h, with which a run is the same map each time: take run.h of a first run")
     if callbacks:
-        raise TypeError("gradient=True does not go with callbacks that change p: make a run to each of the events, with "
-                        "a gradient of its own")
+        raise TypeError("gradient=True does not go with callbacks that change p: make a run to each of the events, "
+                        "with a gradient of its own")
     if v0 is not None and not has_constant_mass(system):
         raise TypeError("gradient=True with v0= is for constant masses: give p0=, as system.momentum makes it of v0")
 
