@@ -5,14 +5,16 @@
 #ifndef TVI_SRC_SYSTEM_ADJOINT_H
 #define TVI_SRC_SYSTEM_ADJOINT_H
 
-#include "system/system.h"
+#include "system/integrand.h"
 
 /* The adjoint system of a system with n coordinates and P parameters. */
 typedef struct tvi_adjoint {
     /* The system and its multipliers, in 2n coordinates. Its form, coordinates and momenta:
      *     of a separable system  separable   (q, w)   (p, r)      w = a_p, r = -a_q
      *     of a Lagrangian        Lagrangian  (q, w)   (r, p)
-     *     of all others          rates       (q, p)   (a_q, a_p)                        */
+     *     of all others          rates       (q, p)   (a_q, a_p)
+     * With running integrals that of a separable system is one of rates, too. The derivatives lambda_k of the loss by
+     * these integrals are its parameters from P on. */
     tvi_system *lift;
     /* Computes (a.f)_c and then, if `lift` depends on the time, (a.f)_t: P + 1 outputs, of the coordinates of the lift,
      * then, unless it is separable, its velocities or momenta, and then the time if it is used. */
@@ -22,8 +24,11 @@ typedef struct tvi_adjoint {
     jet_tape *energy_by_parameters;
 } tvi_adjoint;
 
-/* Returns the adjoint of a system that is stepped, and without constraints. It is recorded once, and kept with the
- * system, also if several threads ask for it. */
+/* Creates the adjoint of a system that is stepped, and without constraints, with the integrands of running integrals. */
+TVI_NODISCARD tvi_status tvi_adjoint_create(tvi_adjoint **out, const tvi_system *system, int integral_count,
+                                            const tvi_integrand integrands[]);
+/* Returns the adjoint without integrals. It is recorded once, and kept with the system, also if several threads ask for
+ * it. */
 TVI_NODISCARD tvi_status tvi_adjoint_of(const tvi_system *system, const tvi_adjoint **out);
 void tvi_adjoint_free(tvi_adjoint *adjoint);
 

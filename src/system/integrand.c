@@ -1,0 +1,64 @@
+/* integrand.c - Records the functions of running integrals (integrand.h). */
+#include "system/integrand.h"
+#include "system/event.h"
+#include "system/refuse.h"
+
+#include <stdlib.h>
+
+/* Records the outputs of a graph once more, whose inputs become `input`. `unused` [inputs + outputs] is scratch. */
+static bool record_again(const jet_graph *from, jet_graph *to, const jet input[], int count, const jet output[],
+                         jet value[], jet unused[])
+{
+    const int inputs = jet_graph_input_count(from);
+    for (int i = 0; i < inputs; i++) unused[i] = jet_const(0);
+    return jet_record_forward_derivatives(from, to, input, unused, NULL, count, output, value, unused + inputs);
+}
+
+/* Records l, which has been recorded as an event function, and dt/ds of a rescaled system. */
+static tvi_status record_integrand(tvi_integrand *out, const tvi_system *system, const tvi_event *l, jet jets[])
+{
+    const tvi_system *stepped = system->stepped_system;
+    const int n = system->n, N = stepped->n, inputs = jet_graph_input_count(stepped->record.graph);
+    jet *input = jets, *rates = input + 3 * N + 1, *unused = rates + 2 * N;
+    const jet time = N > n ? jet_graph_input(out->graph, n) : jet_graph_input(out->graph, 2 * N);
+    for (int i = 0; i < n; i++) {
+        input[i] = jet_graph_input(out->graph, i);
+        input[n + i] = jet_graph_input(out->graph, N + i);
+    }
+    input[2 * n] = time;
+    if (!record_again(l->graph, out->graph, input, 1, &l->output, &out->output, unused)) return TVI_ENOMEM;
+    if (N > n) {
+        for (int i = 0; i < inputs; i++)
+            input[i] = i < 2 * N ? jet_graph_input(out->graph, i) : jet_make_unset_poison();
+        if (!record_again(stepped->record.graph, out->graph, input, 2 * N, stepped->record.field, rates, unused))
+            return TVI_ENOMEM;
+        out->output = jet_mul(out->output, rates[N + n]);
+    }
+    return jet_graph_check_outputs(out->graph, 1, &out->output);
+}
+
+tvi_status tvi_integrand_create(tvi_integrand *out, const tvi_system *system, tvi_event_fn *l, void *ctx)
+{
+    const int N = system->stepped_system->n, inputs = 2 * N + 1;
+    tvi_event *event;
+    *out = (tvi_integrand){.graph = NULL};
+    tvi_status status = tvi_event_create(&event, system->n, TVI_EITHER, false, l, ctx);
+    if (status != TVI_OK) return status;
+    jet *jets = malloc((size_t)(12 * N + 8) * sizeof *jets);
+    out->graph = jet_graph_create(inputs);
+    status = jets && out->graph ? record_integrand(out, system, event, jets) : TVI_ENOMEM;
+    if (out->graph) jet_graph_end_recording(out->graph);
+    if (status == TVI_OK) out->tape = jet_tape_create(out->graph, inputs, 1, &out->output, JET_TAPE_VALUES);
+    if (status == TVI_OK && !out->tape) status = TVI_ENOMEM;
+    tvi_event_free(event);
+    free(jets);
+    if (status != TVI_OK) tvi_integrand_free(out);
+    return jet_explain_out_of_memory(status);
+}
+
+void tvi_integrand_free(tvi_integrand *integrand)
+{
+    jet_tape_free(integrand->tape);
+    jet_graph_free(integrand->graph);
+    *integrand = (tvi_integrand){.graph = NULL};
+}
