@@ -31,6 +31,15 @@ long tvi_record_counts(const tvi_record *record, int *times, int *events);
 /* Returns the memory that the record has taken, in bytes. */
 size_t tvi_record_bytes(const tvi_record *record);
 
+/* Adds a running integral, of l(q, p, t) over the time, to a record, which begins anew; it is the next one from 0 on.
+ * It is summed at the nodes of the steps, and is as accurate as these. For "galerkin".
+ *   TVI_EINVAL       NULL
+ *   TVI_EUNSUPPORTED "stormer-verlet"
+ *   others           as of tvi_event_create */
+TVI_NODISCARD tvi_status tvi_record_integral(tvi_record *record, tvi_event_fn *l, void *ctx);
+/* Sets value [integrals] to the running integrals from the start of the record to the end of its last run. */
+void tvi_record_integrals(const tvi_record *record, double value[]);
+
 /* The derivatives of a function of the results, the loss, by what the runs of a record have told: NULL stands for
  * zeros. The end of a run to t_end or through `times` is at a fixed time, so that a derivative by that time is not
  * used. */
@@ -38,6 +47,7 @@ typedef struct {
     const double *end;       /* [2n + 1] by q, p and t at the end of the last run */
     const double *at_times;  /* [times][2n] by q and p at each of the times */
     const double *at_events; /* [events][2n + 1] by q, p and t of each event that was reported */
+    const double *integrals; /* [integrals] by each running integral */
     size_t size;             /* sizeof(tvi_loss), or 0: that of the first version */
 } tvi_loss;
 

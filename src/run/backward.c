@@ -12,6 +12,7 @@ void tvi_backward_free(tvi_backward *backward)
     if (!backward) return;
     tvi_integrator_free(backward->lift);
     tvi_integrator_free(backward->part);
+    tvi_adjoint_free(backward->own);
     free(backward->integrand_block);
     free(backward->energy_block);
     free(backward->curve);
@@ -49,7 +50,7 @@ static double *allocate_block(const jet_tape *tape, int lanes)
 
 static bool allocate_arrays(tvi_backward *to, const tvi_record *record)
 {
-    const tvi_adjoint *adjoint = record->adjoint;
+    const tvi_adjoint *adjoint = to->adjoint;
     const tvi_system *stepped = record->again->stepped;
     const size_t N = (size_t)to->N, points = (size_t)to->nodes.points;
     const struct {
@@ -58,11 +59,12 @@ static bool allocate_arrays(tvi_backward *to, const tvi_record *record)
     } slices[] = {{&to->curve, 4 * N * points},
                   {&to->z, 4 * N},
                   {&to->x_end, record->state_size},
-                  {&to->exit, 2 * N},
-                  {&to->told, 2 * N},
-                  {&to->surface, 2 * N},
+                  {&to->covector.exit, 2 * N},
+                  {&to->covector.told, 2 * N},
+                  {&to->covector.surface, 2 * N},
                   {&to->rates, 2 * N},
-                  {&to->by_parameters, (size_t)to->parameters + 1}};
+                  {&to->by_parameters, (size_t)to->parameters + 1},
+                  {&to->values, (size_t)(to->parameters + to->integrals)}};
     const size_t count = sizeof slices / sizeof *slices;
     size_t all = 0;
     for (size_t i = 0; i < count; i++) all += slices[i].size;
@@ -75,6 +77,22 @@ static bool allocate_arrays(tvi_backward *to, const tvi_record *record)
     return memory && to->integrand_block && to->field_block && (!adjoint->energy_by_parameters || to->energy_block);
 }
 
+/* Sets to->adjoint, that of the system, or one with the integrals of the record. */
+static tvi_status find_adjoint(tvi_backward *to, const tvi_record *record)
+{
+    to->integrals = (int)record->counts.integrals.count;
+    to->adjoint = record->adjoint;
+    if (to->integrals == 0) return TVI_OK;
+    tvi_integrand *integrands = malloc((size_t)to->integrals * sizeof *integrands);
+    if (!integrands) return TVI_ENOMEM;
+    for (int k = 0; k < to->integrals; k++) integrands[k] = record->integrals[k].integrand;
+    const tvi_status status =
+        tvi_adjoint_create(&to->own, record->again->system->stepped_system, to->integrals, integrands);
+    free(integrands);
+    to->adjoint = to->own;
+    return status;
+}
+
 tvi_status tvi_backward_create(tvi_record *record)
 {
     const tvi_integrator *again = record->again;
@@ -83,10 +101,11 @@ tvi_status tvi_backward_create(tvi_record *record)
     tvi_options options = again->options;
     options.max_tail = -1; /* the guard has checked the steps of the run */
     options.compiled = NULL;
-    tvi_status status = tvi_integrator_create(&to->lift, record->adjoint->lift, &options);
-    if (status == TVI_OK) status = tvi_integrator_create(&to->part, record->adjoint->lift, &options);
+    tvi_status status = find_adjoint(to, record);
+    if (status == TVI_OK) status = tvi_integrator_create(&to->lift, to->adjoint->lift, &options);
+    if (status == TVI_OK) status = tvi_integrator_create(&to->part, to->adjoint->lift, &options);
     if (status == TVI_OK) {
-        to->layout = tvi_adjoint_layout_of(record->adjoint);
+        to->layout = tvi_adjoint_layout_of(to->adjoint);
         to->N = again->stepped->n;
         to->parameters = tvi_system_parameters(again->system);
         to->nodes.points = again->stepper->quadrature(again->work, to->nodes.theta, to->nodes.b);
@@ -99,17 +118,18 @@ tvi_status tvi_backward_create(tvi_record *record)
     return status;
 }
 
-void tvi_backward_set_parameters(tvi_record *record)
+void tvi_backward_set_parameters(tvi_record *record, tvi_integrator *lift, const double by_integrals[])
 {
     tvi_backward *to = record->backward;
     const double *value = record->again->parameters;
-    tvi_integrator_load_parameters(to->lift, value, 1);
-    tvi_integrator_load_parameters(to->part, value, 1);
-    jet_tape_set_parameters(record->adjoint->integrands, to->integrand_block, to->nodes.points, to->parameters, 1,
-                            value);
+    for (int i = 0; i < to->parameters; i++) to->values[i] = value[i];
+    for (int k = 0; k < to->integrals; k++) to->values[to->parameters + k] = by_integrals ? by_integrals[k] : 0;
+    tvi_integrator_load_parameters(lift, to->values, 1);
+    jet_tape_set_parameters(to->adjoint->integrands, to->integrand_block, to->nodes.points,
+                            to->parameters + to->integrals, 1, to->values);
     jet_tape_set_parameters(record->again->stepped->field_values, to->field_block, 1, to->parameters, 1, value);
     if (to->energy_block)
-        jet_tape_set_parameters(record->adjoint->energy_by_parameters, to->energy_block, 1, to->parameters, 1, value);
+        jet_tape_set_parameters(to->adjoint->energy_by_parameters, to->energy_block, 1, to->parameters, 1, value);
 }
 
 /* ---- The state of the lift --------------------------------------------------------------------------------------- */
@@ -195,7 +215,7 @@ static void compute_curve(const tvi_backward *to, const tvi_integrator *lift)
 static tvi_status add_integrals(tvi_record *record, const tvi_integrator *lift)
 {
     tvi_backward *to = record->backward;
-    const jet_tape *tape = record->adjoint->integrands;
+    const jet_tape *tape = to->adjoint->integrands;
     const int points = to->nodes.points, n = 2 * to->N, inputs = lift->system->form == TVI_SEPARABLE ? n : 2 * n;
     const double h = lift->last_step.h, t = lift->last_step.start.q[n];
     if (to->parameters == 0 && tape->input_count == inputs) return TVI_OK;
@@ -219,6 +239,8 @@ static bool has_multipliers(const tvi_backward *to, const tvi_integrator *lift)
     double *low;
     for (int i = 0; i < 2 * to->N; i++)
         if (*a_element(to, lift, i, &low) != 0) return true;
+    for (int k = to->parameters; k < tvi_system_parameters(lift->system); k++)
+        if (lift->parameters[k] != 0) return true;
     return false;
 }
 

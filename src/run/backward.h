@@ -11,7 +11,9 @@
 typedef struct tvi_backward {
     tvi_integrator *lift, *part; /* make steps back: one after the other, and from a state inside a step */
     tvi_adjoint_layout layout;
-    int N, parameters;
+    int N, parameters, integrals;
+    tvi_adjoint *own; /* the adjoint with integrals; NULL: that of the system is taken */
+    const tvi_adjoint *adjoint;
     /* The quadrature of the steps: nodes theta and weights b of `points` nodes, of which `count` differ. */
     struct {
         int count, points;
@@ -25,18 +27,21 @@ typedef struct tvi_backward {
     double *curve;           /* [4N][points] the coordinates and the momenta of the lift at the nodes */
     double *z;               /* [4N] the coordinates and the momenta of the lift, for tvi_step */
     double *x_end;           /* [state_size] the state at the end of a step */
-    double *exit;            /* [2N] the covector at the end of a piece */
-    double *told;            /* [2N] the covector of what was told */
-    double *surface;         /* [2N] the gradient of the function that is 0 where it was told */
-    double *rates;           /* [2N] x' */
-    double *field_block;     /* the block of the field of a Lagrangian; and then its velocity [N] */
-    double *by_parameters;   /* [parameters + 1] the integrals so far: by the parameters, and by the time */
+    /* Covectors [2N]: at the end of a piece; of what was told; and the gradient of the function that is 0 where it was
+     * told. */
+    struct {
+        double *exit, *told, *surface;
+    } covector;
+    double *rates;         /* [2N] x' */
+    double *field_block;   /* the block of the field of a Lagrangian; and then its velocity [N] */
+    double *values;        /* [parameters + integrals] the parameters of the lift */
+    double *by_parameters; /* [parameters + 1] the integrals so far: by the parameters, and by the time */
 } tvi_backward;
 
 /* Creates record->backward. */
 TVI_NODISCARD tvi_status tvi_backward_create(tvi_record *record);
-/* Sets the parameters to those of the record. */
-void tvi_backward_set_parameters(tvi_record *record);
+/* Sets the parameters to those of the record, and the derivatives of the loss by the integrals; NULL: all are 0. */
+void tvi_backward_set_parameters(tvi_record *record, tvi_integrator *lift, const double by_integrals[]);
 /* Clears the state of the lift, one of the two of tvi_backward, and its history. */
 void tvi_backward_clear(tvi_integrator *lift);
 /* Puts a full state [state_size] of the run into the lift. */

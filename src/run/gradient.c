@@ -68,37 +68,42 @@ static void set_covector(const tvi_record *record, const double by_q_and_p[], do
     covector[N + n] = 0;
 }
 
-/* Computes g', the derivative along the orbit of a function of the state and the time, from its gradient, to->surface
- * and by_time, at a full state; and x' there, to->rates. */
+/* Computes g', the derivative along the orbit of a function of the state and the time, from its gradient,
+ * to->covector.surface and by_time, at a full state; and x' there, to->rates. */
 static tvi_status compute_slope(tvi_record *record, double by_time, const double x[], double *slope)
 {
     tvi_backward *to = record->backward;
     const int N = to->N;
     const tvi_status status = compute_rates(record, x, x + N + 1, to->rates);
     *slope = N == record->again->system->n ? by_time : 0;
-    for (int i = 0; i < 2 * N && status == TVI_OK; i++) *slope += to->surface[i] * to->rates[i];
+    for (int i = 0; i < 2 * N && status == TVI_OK; i++) *slope += to->covector.surface[i] * to->rates[i];
     return status;
 }
 
 /* Changes a covector at the full state x, and *by_t, for a state that is told where g(q, p, t, c) is 0: a neighbouring
  * orbit tells its state at another time, dt = -dg / g', so that a -= (a.x' + a_t) g_x / g', and likewise for t and the
  * parameters. `g` [2n + 1 + parameters] is the gradient of the function; NULL: it is the time minus a given one.
- * least_slope: a smaller |g'| is a point where g touches 0. */
-static tvi_status project(tvi_record *record, const double g[], double least_slope, const double x[], double covector[],
-                          double *by_t)
+ * least_slope: a smaller |g'| is a point where g touches 0. by_integrals: the integrals end there; NULL: they do not.
+ */
+static tvi_status project(tvi_record *record, const double g[], double least_slope, const double by_integrals[],
+                          const double x[], double covector[], double *by_t)
 {
     tvi_backward *to = record->backward;
     const int n = record->again->system->n, N = to->N, time = 2 * n;
     const double by_time = g ? g[time] : 1;
-    double slope, change = N == n ? *by_t : 0;
-    set_covector(record, g, by_time, to->surface);
-    const tvi_status status = compute_slope(record, by_time, x, &slope);
+    double slope, l = 0, change = N == n ? *by_t : 0;
+    set_covector(record, g, by_time, to->covector.surface);
+    tvi_status status = compute_slope(record, by_time, x, &slope);
+    for (int k = 0; k < to->integrals && by_integrals && status == TVI_OK; k++) {
+        status = tvi_integrand_at(record, k, x, &l);
+        change += by_integrals[k] * l;
+    }
     if (status != TVI_OK) return status;
     if (!(fabs(slope) > least_slope))
         return jet_refuse(TVI_ESINGULAR, "an event function touches 0: its time has no derivative");
     for (int i = 0; i < 2 * N; i++) change += covector[i] * to->rates[i];
     const double factor = change / slope;
-    for (int i = 0; i < 2 * N; i++) covector[i] -= factor * to->surface[i];
+    for (int i = 0; i < 2 * N; i++) covector[i] -= factor * to->covector.surface[i];
     if (N == n) *by_t -= factor * by_time;
     for (int i = 0; i < to->parameters && g; i++) to->by_parameters[i] -= factor * g[time + 1 + i];
     return TVI_OK;
@@ -111,15 +116,15 @@ static tvi_status find_least_slope(tvi_record *record, const double g[], const d
     tvi_backward *to = record->backward;
     const double by_time = g[2 * record->again->system->n];
     double at_start = 0, at_end = 0;
-    set_covector(record, g, by_time, to->surface);
+    set_covector(record, g, by_time, to->covector.surface);
     tvi_status status = compute_slope(record, by_time, start, &at_start);
     if (status == TVI_OK) status = compute_slope(record, by_time, to->x_end, &at_end);
     *least = 64 * sqrt(DBL_EPSILON) * fmax(fabs(at_start), fabs(at_end));
     return status;
 }
 
-/* Sets to->told to the loss's derivatives by what was told, with those of `exit` if the record goes on from there,
- * projected onto where it was told. The state there becomes `full`. Adds what belongs to the time to *by_t. */
+/* Sets to->covector.told to the loss's derivatives by what was told, with those of `exit` if the record goes on from
+ * there, projected onto where it was told. The state there becomes `full`. Adds what belongs to the time to *by_t. */
 static tvi_status load_told(tvi_record *record, const tvi_told *told, const tvi_loss *loss, const double exit[],
                             double exit_t, double full[], double *by_t)
 {
@@ -128,11 +133,11 @@ static tvi_status load_told(tvi_record *record, const tvi_told *told, const tvi_
     const double *all = told->gradient ? loss->at_events : loss->at_times;
     const double *own = all ? all + (size_t)told->index * (size_t)size : NULL;
     double told_t = (own && told->gradient ? own[2 * n] : 0) + exit_t;
-    set_covector(record, own, own && told->gradient ? own[2 * n] : 0, to->told);
-    bool any = told_t != 0;
+    set_covector(record, own, own && told->gradient ? own[2 * n] : 0, to->covector.told);
+    bool any = told_t != 0 || (exit && loss->integrals);
     for (int i = 0; i < 2 * to->N; i++) {
-        if (exit) to->told[i] += exit[i];
-        any |= to->told[i] != 0;
+        if (exit) to->covector.told[i] += exit[i];
+        any |= to->covector.told[i] != 0;
     }
     if (!any) return TVI_OK;
     const double *start = NULL;
@@ -142,7 +147,9 @@ static tvi_status load_told(tvi_record *record, const tvi_told *told, const tvi_
     if (status == TVI_OK && to->N > n && in_step) variable = start[to->N] + told->offset;
     if (status == TVI_OK && told->gradient) status = find_least_slope(record, told->gradient, start, &least_slope);
     if (status == TVI_OK) status = make_full_state(record, told->state, variable, full);
-    if (status == TVI_OK) status = project(record, told->gradient, least_slope, full, to->told, &told_t);
+    if (status == TVI_OK)
+        status = project(record, told->gradient, least_slope, exit ? loss->integrals : NULL, full, to->covector.told,
+                         &told_t);
     *by_t += told_t;
     return status;
 }
@@ -158,23 +165,25 @@ typedef struct {
     double *full;      /* [state_size] of what was told */
 } way_back;
 
-/* Adds a told covector, which stands in to->told, to the multipliers: where it was told at the end of the step, there;
- * else at its start, after a step back of the part that leads there. */
-static tvi_status go_back_from_told(way_back *way, const tvi_told *told)
+/* Adds a told covector, which stands in to->covector.told, to the multipliers: where it was told at the end of the
+ * step, there; else at its start, after a step back of the part that leads there. */
+static tvi_status go_back_from_told(way_back *way, const tvi_told *told, bool is_exit)
 {
     tvi_record *record = way->record;
     tvi_backward *to = record->backward;
     if (told->offset == 0 || told->step == record->step_count) {
-        tvi_backward_add(to, to->lift, to->told);
+        tvi_backward_add(to, to->lift, to->covector.told);
         return TVI_OK;
     }
+    if (to->integrals > 0) tvi_backward_set_parameters(record, to->part, is_exit ? way->loss->integrals : NULL);
     tvi_backward_clear(to->part);
     tvi_backward_set_x(to, to->part, way->full);
-    tvi_backward_add(to, to->part, to->told);
+    tvi_backward_add(to, to->part, to->covector.told);
     const tvi_status status = tvi_backward_step(record, to->part, told->offset);
+    if (to->integrals > 0) tvi_backward_set_parameters(record, to->lift, way->loss->integrals);
     if (status != TVI_OK) return status;
-    tvi_backward_get(to, to->part, to->told);
-    tvi_backward_add(to, to->lift, to->told);
+    tvi_backward_get(to, to->part, to->covector.told);
+    tvi_backward_add(to, to->lift, to->covector.told);
     return TVI_OK;
 }
 
@@ -192,16 +201,16 @@ static tvi_status go_back_through_step(way_back *way, long step, const double ex
         const tvi_told *told = &record->told[i];
         if (told->offset != h || (exit && i == last - 1)) continue;
         status = load_told(record, told, way->loss, NULL, 0, way->full, &way->by_t);
-        tvi_backward_add(to, to->lift, to->told);
+        tvi_backward_add(to, to->lift, to->covector.told);
     }
     tvi_backward_set_x(to, to->lift, to->x_end);
-    if (status == TVI_OK) status = tvi_backward_step(record, to->lift, h);
+    if (status == TVI_OK && !exit) status = tvi_backward_step(record, to->lift, h);
     for (size_t i = last; i > first && status == TVI_OK; i--) {
         const tvi_told *told = &record->told[i - 1];
         const bool is_exit = exit && i == last;
         if (told->offset == h && !is_exit) continue;
         status = load_told(record, told, way->loss, is_exit ? exit : NULL, is_exit ? exit_t : 0, way->full, &way->by_t);
-        if (status == TVI_OK) status = go_back_from_told(way, told);
+        if (status == TVI_OK) status = go_back_from_told(way, told, is_exit);
     }
     way->told_count = first;
     if (status == TVI_OK) status = tvi_record_state(record, step, &start);
@@ -213,7 +222,7 @@ static tvi_status go_back_through_step(way_back *way, long step, const double ex
 static tvi_status leave_K(tvi_record *record, const double x[], double covector[])
 {
     tvi_backward *to = record->backward;
-    const jet_tape *tape = record->adjoint->energy_by_parameters;
+    const jet_tape *tape = to->adjoint->energy_by_parameters;
     const int N = to->N, e = 2 * N - 1;
     const tvi_status status = compute_rates(record, x, x + N + 1, to->rates); /* (K_p, -K_q) */
     if (status != TVI_OK) return status;
@@ -230,7 +239,7 @@ static tvi_status leave_K(tvi_record *record, const double x[], double covector[
     return TVI_OK;
 }
 
-/* Goes back through a piece, from the covector to->exit at its end to that at its start. */
+/* Goes back through a piece, from the covector to->covector.exit at its end to that at its start. */
 static tvi_status go_back_through_piece(way_back *way, size_t index)
 {
     tvi_record *record = way->record;
@@ -242,20 +251,21 @@ static tvi_status go_back_through_piece(way_back *way, size_t index)
     tvi_status status = TVI_OK;
     way->by_t = 0;
     memcpy(to->x_end, piece->end_state, record->state_size * sizeof *to->x_end);
-    if (piece->end == TVI_END_AT_TIME) status = project(record, NULL, 0, to->x_end, to->exit, &exit_t);
+    if (piece->end == TVI_END_AT_TIME)
+        status = project(record, NULL, 0, way->loss->integrals, to->x_end, to->covector.exit, &exit_t);
     if (!at_event) way->by_t = exit_t;
     tvi_backward_clear(to->lift);
-    if (!at_event) tvi_backward_add(to, to->lift, to->exit);
+    if (!at_event) tvi_backward_add(to, to->lift, to->covector.exit);
     for (long step = end - 1; step >= piece->first_step && status == TVI_OK; step--)
-        status = go_back_through_step(way, step, at_event && step == end - 1 ? to->exit : NULL, exit_t);
-    tvi_backward_get(to, to->lift, to->exit);
+        status = go_back_through_step(way, step, at_event && step == end - 1 ? to->covector.exit : NULL, exit_t);
+    tvi_backward_get(to, to->lift, to->covector.exit);
     way->by_t += to->by_parameters[to->parameters];
     to->by_parameters[to->parameters] = 0;
     const bool leaves_K = status == TVI_OK && piece->starts_anew && tvi_steps_K(record->again);
-    return leaves_K ? leave_K(record, to->x_end, to->exit) : status;
+    return leaves_K ? leave_K(record, to->x_end, to->covector.exit) : status;
 }
 
-/* Sets to->exit and way->by_t to the derivatives by the end of the record, and by what was told there. */
+/* Sets to->covector.exit and way->by_t to the derivatives by the end of the record, and by what was told there. */
 static tvi_status begin_at_end(way_back *way)
 {
     tvi_record *record = way->record;
@@ -263,14 +273,14 @@ static tvi_status begin_at_end(way_back *way)
     const int n = record->again->system->n;
     const double *end = way->loss->end;
     const double end_t = end ? end[2 * n] : 0;
-    set_covector(record, end, end_t, to->exit);
+    set_covector(record, end, end_t, to->covector.exit);
     way->by_t = to->N == n ? end_t : 0;
     way->told_count = record->counts.told.count;
     tvi_status status = TVI_OK;
     for (; way->told_count > 0 && record->told[way->told_count - 1].step == record->step_count; way->told_count--) {
         if (status == TVI_OK)
             status = load_told(record, &record->told[way->told_count - 1], way->loss, NULL, 0, way->full, &way->by_t);
-        for (int i = 0; i < 2 * to->N; i++) to->exit[i] += to->told[i];
+        for (int i = 0; i < 2 * to->N; i++) to->covector.exit[i] += to->covector.told[i];
     }
     return status;
 }
@@ -281,7 +291,8 @@ static tvi_status go_back(tvi_record *record, const tvi_loss *loss, double by_st
     const int n = record->again->system->n, N = to->N;
     way_back way = {.record = record, .loss = loss, .full = malloc(record->state_size * sizeof(double))};
     if (!way.full) return TVI_ENOMEM;
-    tvi_backward_set_parameters(record);
+    tvi_backward_set_parameters(record, to->part, NULL);
+    tvi_backward_set_parameters(record, to->lift, loss->integrals);
     memset(to->by_parameters, 0, ((size_t)to->parameters + 1) * sizeof *to->by_parameters);
     tvi_status status = begin_at_end(&way);
     for (size_t i = record->counts.pieces.count; i > 0 && status == TVI_OK; i--)
@@ -289,10 +300,10 @@ static tvi_status go_back(tvi_record *record, const tvi_loss *loss, double by_st
     free(way.full);
     if (status != TVI_OK) return status;
     for (int i = 0; i < n && by_start; i++) {
-        by_start[i] = to->exit[i];
-        by_start[n + i] = to->exit[N + i];
+        by_start[i] = to->covector.exit[i];
+        by_start[n + i] = to->covector.exit[N + i];
     }
-    if (by_start) by_start[2 * n] = N > n ? to->exit[n] : way.by_t;
+    if (by_start) by_start[2 * n] = N > n ? to->covector.exit[n] : way.by_t;
     if (by_parameters && to->parameters > 0)
         memcpy(by_parameters, to->by_parameters, (size_t)to->parameters * sizeof *by_parameters);
     return TVI_OK;
@@ -308,6 +319,7 @@ tvi_status tvi_gradient(tvi_record *record, const tvi_loss *loss, double by_star
     const int n = record->again->system->n;
     if ((loss->end && !tvi_all_finite(2 * n + 1, loss->end)) ||
         (loss->at_times && !tvi_all_finite(2 * n * record->time_count, loss->at_times)) ||
+        (loss->integrals && !tvi_all_finite((int)record->counts.integrals.count, loss->integrals)) ||
         (loss->at_events && !tvi_all_finite((2 * n + 1) * record->event_count, loss->at_events)))
         return jet_refuse(TVI_ENONFINITE, "the derivatives of the loss are not finite");
     tvi_status status = record->backward ? TVI_OK : tvi_backward_create(record);

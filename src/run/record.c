@@ -10,26 +10,32 @@
 
 enum { DEFAULT_BYTES = 64 << 20, FEWEST_STEPS = 16 };
 
-/* Makes room for one more element of an array. */
-static tvi_status grow(tvi_record *record, void **array, tvi_grown *of, size_t element_bytes)
+/* Makes room for one more element of an array, which has at most so many. */
+static tvi_status grow_to(tvi_record *record, void **array, tvi_grown *of, size_t element_bytes, size_t most)
 {
     if (of->count < of->capacity) return TVI_OK;
-    const size_t capacity = of->capacity > 0 ? 2 * of->capacity : FEWEST_STEPS;
+    const size_t twice = of->capacity > 0 ? 2 * of->capacity : FEWEST_STEPS, capacity = twice < most ? twice : most;
     void *grown = realloc(*array, capacity * element_bytes);
     if (!grown) return jet_explain_out_of_memory(TVI_ENOMEM);
-    record->bytes += (capacity - of->capacity) * element_bytes;
+    record->bytes.taken += (capacity - of->capacity) * element_bytes;
     *array = grown;
     of->capacity = capacity;
     return TVI_OK;
 }
 
+static tvi_status grow(tvi_record *record, void **array, tvi_grown *of, size_t element_bytes)
+{
+    return grow_to(record, array, of, element_bytes, SIZE_MAX);
+}
+
 /* Refuses what would take more memory than the record may have. */
 static tvi_status take_bytes(tvi_record *record, size_t bytes)
 {
-    if (bytes > record->most_bytes - (record->bytes < record->most_bytes ? record->bytes : record->most_bytes))
+    if (bytes >
+        record->bytes.most - (record->bytes.taken < record->bytes.most ? record->bytes.taken : record->bytes.most))
         return jet_refuse(TVI_ENOMEM, "the record is full after %ld steps: it may take %zu bytes", record->step_count,
-                          record->most_bytes);
-    record->bytes += bytes;
+                          record->bytes.most);
+    record->bytes.taken += bytes;
     return TVI_OK;
 }
 
@@ -38,7 +44,7 @@ static void *take(tvi_record *record, size_t bytes)
     if (take_bytes(record, bytes) != TVI_OK) return NULL;
     void *taken = malloc(bytes);
     if (taken) return taken;
-    record->bytes -= bytes;
+    record->bytes.taken -= bytes;
     (void)jet_explain_out_of_memory(TVI_ENOMEM);
     return NULL;
 }
@@ -56,27 +62,29 @@ static void forget_from(tvi_record *record, long step)
     while (record->counts.checkpoints.count > 0 &&
            record->checkpoints[record->counts.checkpoints.count - 1].step >= step) {
         free(record->checkpoints[--record->counts.checkpoints.count].history);
-        record->bytes -= history;
+        record->bytes.taken -= history;
     }
     while (record->counts.pieces.count > 0 && record->pieces[record->counts.pieces.count - 1].first_step >= step) {
         free(record->pieces[--record->counts.pieces.count].end_state);
-        record->bytes -= state;
+        record->bytes.taken -= state;
     }
     while (record->counts.rows.count > 0 && record->rows[record->counts.rows.count - 1].first_step >= step)
         record->counts.rows.count--;
 }
 
-static void begin_anew(tvi_record *record)
+void tvi_record_begin_anew(tvi_record *record)
 {
     forget_from(record, 0);
     for (; record->counts.told.count > 0; record->counts.told.count--) {
         const tvi_told *told = &record->told[record->counts.told.count - 1];
-        record->bytes -= told_bytes(record, told);
+        record->bytes.taken -= told_bytes(record, told);
         free(told->state);
     }
     record->kept.of.count = 0;
     record->kept.first_step = record->step_count = 0;
     record->time_count = record->event_count = 0;
+    for (size_t k = 0; k < record->counts.integrals.count; k++)
+        record->integrals[k].value = record->integrals[k].low = 0;
 }
 
 tvi_status tvi_record_create(tvi_record **out, const tvi_integrator *it, size_t bytes)
@@ -90,8 +98,8 @@ tvi_status tvi_record_create(tvi_record **out, const tvi_integrator *it, size_t 
     tvi_record *record = calloc(1, sizeof *record);
     if (!record) return jet_explain_out_of_memory(TVI_ENOMEM);
     record->state_size = 4 * (size_t)it->stepped->n + 2;
-    record->most_bytes = bytes > 0 ? bytes : DEFAULT_BYTES;
-    record->kept.most = (long)(record->most_bytes / 2 / (record->state_size * sizeof(double)));
+    record->bytes.most = bytes > 0 ? bytes : DEFAULT_BYTES;
+    record->kept.most = (long)(record->bytes.most / 2 / (record->state_size * sizeof(double)));
     record->end = calloc(2 * (size_t)it->system->n + 1, sizeof *record->end);
     tvi_status status = record->end ? tvi_integrator_create_like(&record->again, it) : TVI_ENOMEM;
     if (status == TVI_OK) status = tvi_adjoint_of(it->system->stepped_system, &record->adjoint);
@@ -105,12 +113,13 @@ tvi_status tvi_record_create(tvi_record **out, const tvi_integrator *it, size_t 
 void tvi_record_free(tvi_record *record)
 {
     if (!record) return;
-    if (record->again) begin_anew(record);
+    if (record->again) tvi_record_begin_anew(record);
     for (size_t i = 0; i < record->counts.event_gradients.count; i++) {
         jet_tape_free(record->event_gradients[i].tape);
         free(record->event_gradients[i].block);
     }
     tvi_backward_free(record->backward);
+    tvi_integrals_free(record);
     tvi_integrator_free(record->again);
     free(record->kept.states);
     free(record->checkpoints);
@@ -129,7 +138,10 @@ long tvi_record_counts(const tvi_record *record, int *times, int *events)
     return record ? record->step_count : 0;
 }
 
-size_t tvi_record_bytes(const tvi_record *record) { return record ? record->bytes + record->again->stats.bytes : 0; }
+size_t tvi_record_bytes(const tvi_record *record)
+{
+    return record ? record->bytes.taken + record->again->stats.bytes : 0;
+}
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
@@ -149,7 +161,7 @@ tvi_status tvi_record_begin_run(tvi_record *record, const tvi_integrator *it)
     const bool goes_on = has_begun && tvi_integrator_state_equals(it, record->end[2 * n], record->end, record->end + n);
     if (goes_on && !has_parameters_of(record, it))
         return jet_refuse(TVI_EUNSUPPORTED, "the run goes on with other parameters: a record has one set of them");
-    if (!goes_on) begin_anew(record);
+    if (!goes_on) tvi_record_begin_anew(record);
     tvi_integrator_load_parameters(record->again, it->parameters, 1);
     const tvi_piece *last = record->counts.pieces.count > 0 ? &record->pieces[record->counts.pieces.count - 1] : NULL;
     record->begins_piece = !last || last->end != TVI_END_AT_STEP;
@@ -195,7 +207,8 @@ static tvi_status add_row(tvi_record *record, double h)
 static tvi_status keep_state(tvi_record *record, const tvi_integrator *it)
 {
     const size_t size = record->state_size;
-    const tvi_status status = grow(record, (void **)&record->kept.states, &record->kept.of, size * sizeof(double));
+    const tvi_status status = grow_to(record, (void **)&record->kept.states, &record->kept.of, size * sizeof(double),
+                                      (size_t)record->kept.most);
     if (status == TVI_OK)
         tvi_full_state_get(&it->last_step.start, it->stepped->n, record->kept.states + size * record->kept.of.count++);
     return status;
@@ -214,6 +227,7 @@ tvi_status tvi_record_add_step(tvi_record *record, const tvi_integrator *it)
     if (status == TVI_OK && (begins_piece || record->kept.of.count == 0)) status = add_checkpoint(record, it);
     if (status == TVI_OK) status = add_row(record, it->last_step.h);
     if (status == TVI_OK) status = keep_state(record, it);
+    if (status == TVI_OK && record->counts.integrals.count > 0) status = tvi_integrals_add_step(record, it);
     if (status != TVI_OK) {
         forget_from(record, record->step_count);
         record->begins_piece = begins_piece;
@@ -228,6 +242,7 @@ void tvi_record_drop_step(tvi_record *record)
 {
     record->step_count--;
     forget_from(record, record->step_count);
+    tvi_integrals_drop_step(record);
     record->kept.of.count--;
     if (record->counts.pieces.count > 0)
         memcpy(record->pieces[record->counts.pieces.count - 1].end_state,
@@ -235,15 +250,18 @@ void tvi_record_drop_step(tvi_record *record)
                record->state_size * sizeof *record->kept.states);
 }
 
-void tvi_record_end_run(tvi_record *record, tvi_piece_end end, double t, const double q[], const double p[])
+tvi_status tvi_record_end_run(tvi_record *record, const tvi_integrator *it, tvi_piece_end end, double t,
+                              const double q[], const double p[])
 {
-    const size_t n = (size_t)record->again->system->n;
-    if (!record->is_open) return;
+    const size_t n = (size_t)it->system->n;
+    if (!record->is_open) return TVI_OK;
     record->is_open = false;
     if (record->counts.pieces.count > 0) record->pieces[record->counts.pieces.count - 1].end = end;
     memcpy(record->end, q, n * sizeof *q);
     memcpy(record->end + n, p, n * sizeof *p);
     record->end[2 * n] = t;
+    if (end != TVI_END_AT_EVENT || record->counts.integrals.count == 0) return TVI_OK;
+    return tvi_integrals_cut_step(record, it, record->told[record->counts.told.count - 1].offset);
 }
 
 /* Makes the steps between two checkpoints again, and keeps their states. */
@@ -351,7 +369,7 @@ tvi_status tvi_record_tell(tvi_record *record, const tvi_event *event, bool is_b
     told.gradient = event ? told.state + size : NULL;
     if (event) status = compute_event_gradient(record, event, state, told.gradient);
     if (status != TVI_OK) {
-        record->bytes -= bytes;
+        record->bytes.taken -= bytes;
         free(told.state);
         return status;
     }

@@ -52,9 +52,16 @@ typedef struct {
     size_t count, capacity;
 } tvi_grown;
 
+/* A running integral: its value and the low-order part of it, and both before the last step. */
+typedef struct {
+    tvi_integrand integrand;
+    double *block; /* the block of integrand.tape */
+    double value, low, value_before, low_before;
+} tvi_integral;
+
 struct tvi_record {
-    tvi_integrator *again; /* an integrator as that of the runs: it makes steps again, and has its parameters */
-    const tvi_adjoint *adjoint;
+    tvi_integrator *again;         /* an integrator as that of the runs: it makes steps again, and has its parameters */
+    const tvi_adjoint *adjoint;    /* that of the system; with integrals `backward` has another */
     struct tvi_backward *backward; /* what gradient.c needs; NULL before the first gradient */
     size_t state_size; /* 4N + 2: q and the variable of the steps [N + 1], p [N], and their low-order parts */
     /* The states at the starts of `count` steps, from the one with the index first_step on. */
@@ -69,14 +76,18 @@ struct tvi_record {
     tvi_row_of_h *rows;
     tvi_told *told;
     tvi_event_gradient *event_gradients;
+    tvi_integral *integrals;
     struct {
-        tvi_grown checkpoints, pieces, rows, told, event_gradients;
+        tvi_grown checkpoints, pieces, rows, told, event_gradients, integrals;
     } counts;
     int time_count, event_count;
-    double *end;              /* [2n + 1] q, p and t at the end of the last run */
-    bool begins_piece;        /* the next step begins a piece */
-    bool is_open;             /* a run writes the record */
-    size_t bytes, most_bytes; /* the memory that is taken, and what may be taken */
+    double *end;       /* [2n + 1] q, p and t at the end of the last run */
+    bool begins_piece; /* the next step begins a piece */
+    bool is_open;      /* a run writes the record */
+    /* The memory that is taken, and what may be taken. */
+    struct {
+        size_t taken, most;
+    } bytes;
 };
 
 /* Begins a run at a state, whose step the integrator has begun: goes on with the record, or begins it anew. */
@@ -91,10 +102,26 @@ TVI_NODISCARD tvi_status tvi_record_tell(tvi_record *record, const tvi_event *ev
                                          const double state[]);
 /* Adds a time at the start of the run. */
 TVI_NODISCARD tvi_status tvi_record_tell_start(tvi_record *record, double t, const double q[], const double p[]);
-/* Says how and where the run has ended, which the first call of a run decides. */
-void tvi_record_end_run(tvi_record *record, tvi_piece_end end, double t, const double q[], const double p[]);
+/* Says how and where the integrator's run has ended, which the first call of a run decides. */
+TVI_NODISCARD tvi_status tvi_record_end_run(tvi_record *record, const tvi_integrator *integrator, tvi_piece_end end,
+                                            double t, const double q[], const double p[]);
+/* Forgets all that was recorded. */
+void tvi_record_begin_anew(tvi_record *record);
 /* Returns the size h of a step. */
 double tvi_record_size_of_step(const tvi_record *record, long step);
+/* ---- integrals.c ------------------------------------------------------------------------------------------------- */
+
+/* Adds the integrals over the integrator's last step. */
+TVI_NODISCARD tvi_status tvi_integrals_add_step(tvi_record *record, const tvi_integrator *integrator);
+/* Takes back those that were added last. */
+void tvi_integrals_drop_step(tvi_record *record);
+/* Takes the integrals over the part of the integrator's last step up to an offset in the place of those over all of
+ * it. */
+TVI_NODISCARD tvi_status tvi_integrals_cut_step(tvi_record *record, const tvi_integrator *integrator, double offset);
+/* Computes the integrand at a full state [state_size]. */
+TVI_NODISCARD tvi_status tvi_integrand_at(const tvi_record *record, int index, const double state[], double *value);
+void tvi_integrals_free(tvi_record *record);
+
 /* Finds the state [state_size] at the start of a step, and makes the steps before it again if it is not kept. */
 TVI_NODISCARD tvi_status tvi_record_state(tvi_record *record, long step, const double **state);
 void tvi_backward_free(struct tvi_backward *backward);

@@ -192,8 +192,9 @@ static tvi_status stop_at_root(const run_in_progress *running, const tvi_event_r
     *t = root->state[2 * n];
     memcpy(q, root->state, n * sizeof *q);
     memcpy(p, root->state + n, n * sizeof *p);
-    if (running->plan->record) tvi_record_end_run(running->plan->record, TVI_END_AT_EVENT, *t, q, p);
-    return TVI_ESTOPPED;
+    if (running->plan->record)
+        status = tvi_record_end_run(running->plan->record, running->integrator, TVI_END_AT_EVENT, *t, q, p);
+    return status == TVI_OK ? TVI_ESTOPPED : status;
 }
 
 /* Reports a root of the last step, and before it the given times that come first. The tangent vectors become those
@@ -289,8 +290,9 @@ static tvi_status make_all_steps(run_in_progress *running, bool continues_last_s
             status = check_time_advances(running, running->step_count - before);
     }
     const bool ends_at_time = plan->has_t_end && running->is_at_end;
-    if (plan->record) tvi_record_end_run(plan->record, ends_at_time ? TVI_END_AT_TIME : TVI_END_AT_STEP, *t, q, p);
-    return status;
+    const tvi_piece_end end = ends_at_time ? TVI_END_AT_TIME : TVI_END_AT_STEP;
+    const tvi_status recorded = plan->record ? tvi_record_end_run(plan->record, it, end, *t, q, p) : TVI_OK;
+    return status == TVI_OK ? recorded : status;
 }
 
 /* Refuses a t_end that does not lie in the direction of h. */

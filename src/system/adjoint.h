@@ -24,7 +24,8 @@ typedef struct tvi_adjoint {
     jet_tape *energy_by_parameters;
 } tvi_adjoint;
 
-/* Creates the adjoint of a system that is stepped, and without constraints, with the integrands of running integrals. */
+/* Creates the adjoint of a system that is stepped, and without constraints, with the integrands of running integrals.
+ */
 TVI_NODISCARD tvi_status tvi_adjoint_create(tvi_adjoint **out, const tvi_system *system, int integral_count,
                                             const tvi_integrand integrands[]);
 /* Returns the adjoint without integrals. It is recorded once, and kept with the system, also if several threads ask for

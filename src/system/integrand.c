@@ -14,6 +14,23 @@ static bool record_again(const jet_graph *from, jet_graph *to, const jet input[]
     return jet_record_forward_derivatives(from, to, input, unused, NULL, count, output, value, unused + inputs);
 }
 
+/* Gives the parameters of l the values with which the system has recorded them. */
+static tvi_status take_parameters(const jet_graph *l, const tvi_system *system)
+{
+    const int count = tvi_system_parameters(system);
+    double *value = calloc((size_t)count + 1, sizeof *value);
+    if (!value) return TVI_ENOMEM;
+    tvi_system_recorded_parameters(system, value);
+    for (int i = 0; i < jet_graph_node_count(l); i++) {
+        struct jet_node *node = jet_graph_node_at(l, i);
+        if (node->op == OP_PARAMETER && node->parameter_index < count) node->number = value[node->parameter_index];
+    }
+    free(value);
+    return jet_graph_parameter_count(l) <= count
+               ? TVI_OK
+               : jet_refuse(TVI_EINVAL, "a running integral has a parameter that the system has not");
+}
+
 /* Records l, which has been recorded as an event function, and dt/ds of a rescaled system. */
 static tvi_status record_integrand(tvi_integrand *out, const tvi_system *system, const tvi_event *l, jet jets[])
 {
@@ -46,7 +63,8 @@ tvi_status tvi_integrand_create(tvi_integrand *out, const tvi_system *system, tv
     if (status != TVI_OK) return status;
     jet *jets = malloc((size_t)(12 * N + 8) * sizeof *jets);
     out->graph = jet_graph_create(inputs);
-    status = jets && out->graph ? record_integrand(out, system, event, jets) : TVI_ENOMEM;
+    status = jets && out->graph ? take_parameters(event->graph, system) : TVI_ENOMEM;
+    if (status == TVI_OK) status = record_integrand(out, system, event, jets);
     if (out->graph) jet_graph_end_recording(out->graph);
     if (status == TVI_OK) out->tape = jet_tape_create(out->graph, inputs, 1, &out->output, JET_TAPE_VALUES);
     if (status == TVI_OK && !out->tape) status = TVI_ENOMEM;

@@ -4,7 +4,7 @@
 
 #include "columns.h"
 
-Suite *suite_gradient(void);
+Suite *suite_gradient(void), *suite_integrals(void);
 
 /* The systems of columns.h, and then a double pendulum, a driven Lagrangian, a force that depends on the time, and
  * Kepler's problem in steps of K. */

@@ -61,7 +61,7 @@ typedef struct {
 } tvi_run_plan;
 
 typedef struct {
-    const double *end, *at_times, *at_events;
+    const double *end, *at_times, *at_events, *integrals;
     size_t size;
 } tvi_loss;
 

@@ -1,0 +1,137 @@
+/* integrals.c - Sums running integrals along the steps of a record (record.h), at the nodes of the steps: the sums
+ * whose exact derivatives gradient.c computes. */
+#include "method/method.h"
+#include "run/record.h"
+#include "system/refuse.h"
+
+#include <stdlib.h>
+
+/* Creates the integrand and its block at the end of the array, which has room for it. */
+static tvi_status open_integral(tvi_record *record, tvi_event_fn *l, void *ctx)
+{
+    tvi_integral *made = &record->integrals[record->counts.integrals.count];
+    *made = (tvi_integral){.block = NULL};
+    const tvi_status status = tvi_integrand_create(&made->integrand, record->again->system, l, ctx);
+    if (status != TVI_OK) return status;
+    made->block = malloc((size_t)made->integrand.tape->slot_count * sizeof *made->block);
+    if (!made->block) {
+        tvi_integrand_free(&made->integrand);
+        return jet_explain_out_of_memory(TVI_ENOMEM);
+    }
+    jet_tape_prepare_block(made->integrand.tape, made->block, 1, 1);
+    record->counts.integrals.count++;
+    return TVI_OK;
+}
+
+tvi_status tvi_record_integral(tvi_record *record, tvi_event_fn *l, void *ctx)
+{
+    if (!record) return jet_refuse(TVI_EINVAL, "record is NULL");
+    if (!(tvi_find_method(&record->again->options)->supports->form_mask & TVI_SUPPORTS_FIELD))
+        return jet_refuse(TVI_EUNSUPPORTED, "running integrals are for galerkin");
+    tvi_grown *counts = &record->counts.integrals;
+    tvi_integral *grown = realloc(record->integrals, (counts->count + 1) * sizeof *grown);
+    if (!grown) return jet_explain_out_of_memory(TVI_ENOMEM);
+    record->integrals = grown;
+    const tvi_status status = open_integral(record, l, ctx);
+    if (status != TVI_OK) return status;
+    tvi_record_begin_anew(record);
+    tvi_backward_free(record->backward);
+    record->backward = NULL;
+    return TVI_OK;
+}
+
+void tvi_record_integrals(const tvi_record *record, double value[])
+{
+    for (size_t k = 0; record && k < record->counts.integrals.count; k++) value[k] = record->integrals[k].value;
+}
+
+void tvi_integrals_free(tvi_record *record)
+{
+    for (size_t k = 0; k < record->counts.integrals.count; k++) {
+        tvi_integrand_free(&record->integrals[k].integrand);
+        free(record->integrals[k].block);
+    }
+    free(record->integrals);
+}
+
+/* Computes an integrand at q and p, with the variable of the steps. */
+static tvi_status evaluate(const tvi_record *record, const tvi_integral *of, const double q[], const double p[],
+                           double variable, double *value)
+{
+    const jet_tape *tape = of->integrand.tape;
+    const size_t N = (size_t)record->again->stepped->n;
+    memcpy(of->block, q, N * sizeof *q);
+    memcpy(of->block + N, p, N * sizeof *p);
+    of->block[2 * N] = variable;
+    jet_tape_set_parameters(tape, of->block, 1, tvi_system_parameters(record->again->system), 1,
+                            record->again->parameters);
+    if (!jet_sweep_values(tape, of->block, 1)) return jet_refuse(TVI_EDOMAIN, "a running integral has no value");
+    *value = of->block[tape->output_slot[0]];
+    return TVI_OK;
+}
+
+tvi_status tvi_integrand_at(const tvi_record *record, int index, const double state[], double *value)
+{
+    const int N = record->again->stepped->n;
+    return evaluate(record, &record->integrals[index], state, state + N + 1, state[N], value);
+}
+
+/* Adds the integrals over an integrator's last step. */
+static tvi_status add(tvi_record *record, const tvi_integrator *it)
+{
+    double theta[TVI_MOST_POINTS], b[TVI_MOST_POINTS];
+    const int points = it->stepper->quadrature(it->work, theta, b), N = it->stepped->n;
+    const tvi_run_state *start = &it->last_step.start;
+    const tvi_increments *increments = &it->last_step.increments;
+    const double h = it->last_step.h;
+    tvi_status status = TVI_OK;
+    for (int node = 0; node < points && b[node] != 0; node++) {
+        it->stepper->interpolate(it->work, theta[node], increments->dq, increments->dp);
+        for (int i = 0; i < N; i++) increments->dq[i] += start->q[i], increments->dp[i] += start->p[i];
+        const double variable = start->q[N] + (start->q_low[N] + theta[node] * h);
+        for (size_t k = 0; k < record->counts.integrals.count && status == TVI_OK; k++) {
+            tvi_integral *sum = &record->integrals[k];
+            double l = 0;
+            status = evaluate(record, sum, increments->dq, increments->dp, variable, &l);
+            sum->value = tvi_add_compensated(sum->value, &sum->low, h * b[node] * l, 0);
+        }
+    }
+    if (status != TVI_OK) tvi_integrals_drop_step(record);
+    return status;
+}
+
+tvi_status tvi_integrals_add_step(tvi_record *record, const tvi_integrator *it)
+{
+    for (size_t k = 0; k < record->counts.integrals.count; k++) {
+        tvi_integral *sum = &record->integrals[k];
+        sum->value_before = sum->value;
+        sum->low_before = sum->low;
+    }
+    return add(record, it);
+}
+
+void tvi_integrals_drop_step(tvi_record *record)
+{
+    for (size_t k = 0; k < record->counts.integrals.count; k++) {
+        tvi_integral *sum = &record->integrals[k];
+        sum->value = sum->value_before;
+        sum->low = sum->low_before;
+    }
+}
+
+tvi_status tvi_integrals_cut_step(tvi_record *record, const tvi_integrator *it, double offset)
+{
+    tvi_integrator *again = record->again;
+    const size_t n = (size_t)it->system->n, copied = it->history.copied_bytes;
+    if (offset == it->last_step.h) return TVI_OK;
+    tvi_integrals_drop_step(record);
+    double *x = offset != 0 ? malloc((2 * n + 1) * sizeof *x) : NULL;
+    if (!x) return offset != 0 ? jet_explain_out_of_memory(TVI_ENOMEM) : TVI_OK;
+    memcpy(again->history.now, it->history.before, copied);
+    memcpy(again->history.now + copied, it->history.now + copied, it->history.bytes - copied);
+    tvi_integrator_copy_state(again, &x[2 * n], x, x + n);
+    tvi_status status = tvi_step(again, offset, &x[2 * n], x, x + n);
+    if (status == TVI_OK) status = add(record, again);
+    free(x);
+    return status;
+}

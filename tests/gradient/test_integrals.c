@@ -1,0 +1,188 @@
+/* test_integrals.c - Tests running integrals: their values, and their derivatives beside differences, in all forms,
+ * where a run ends after a step, at a time or at an event. */
+#include "gradient.h"
+
+#include "system/system.h"
+
+#include <math.h>
+#include <string.h>
+
+/* q^2 + p q times a parameter, and something of the time. */
+static jet work(const jet q[], const jet p[], jet t, void *ctx)
+{
+    const int last = *(const int *)ctx - 1;
+    const jet c = jet_parameter(q[0], 0, 1);
+    return jet_add(jet_sqr(q[last]), jet_add(jet_mul(c, jet_mul(p[0], q[0])), jet_mul(0.1, jet_cos(t))));
+}
+
+static jet momentum(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)q, (void)t, (void)ctx;
+    return jet_sqr(p[0]);
+}
+
+static jet crossing(const jet q[], const jet p[], jet t, void *ctx)
+{
+    const int n = *(const int *)ctx, last = n > 2 ? n - 2 : n - 1;
+    (void)p, (void)t;
+    return jet_sub(q[last], 0.01);
+}
+
+typedef enum { AFTER_STEPS, AT_TIME, AT_EVENT, ENDS } end;
+
+typedef struct {
+    double t, q[COLUMNS_MOST_N], p[COLUMNS_MOST_N], c[COLUMNS_MOST_PARAMETERS];
+} start;
+
+/* Runs, and returns the loss of the integrals and the end; with a short run behind an event, as one record. */
+static double run_from(const columns_run *run, const start *x, tvi_record *record, const tvi_event *event, end at,
+                       const double by_integrals[], const double by_end[])
+{
+    start now = *x;
+    double value[2], loss = 0;
+    tvi_run_plan plan = {.h = run->problem->h, .record = record};
+    if (at == AT_TIME) plan.has_t_end = true, plan.t_end = 6.3;
+    else plan.steps = at == AT_EVENT ? 10000 : 20;
+    if (at == AT_EVENT) plan.events = &event, plan.event_count = 1;
+    if (tvi_system_parameters(run->system) > 0) ck_assert_int_eq(tvi_integrator_set_parameters(run->it, x->c), TVI_OK);
+    ck_assert_int_eq(tvi_run(run->it, &plan, &now.t, now.q, now.p), at == AT_EVENT ? TVI_ESTOPPED : TVI_OK);
+    if (at == AT_EVENT) {
+        plan = (tvi_run_plan){.h = plan.h, .steps = 3, .record = record};
+        ck_assert_int_eq(tvi_run(run->it, &plan, &now.t, now.q, now.p), TVI_OK);
+    }
+    tvi_record_integrals(record, value);
+    for (int k = 0; k < 2; k++) loss += by_integrals[k] * value[k];
+    for (int i = 0; i < run->n; i++) loss += by_end[i] * now.q[i] + by_end[run->n + i] * now.p[i];
+    return loss;
+}
+
+START_TEST(beside_differences)
+{
+    const int problem = _i / ENDS;
+    const end at = (end)(_i % ENDS);
+    columns_run run;
+    tvi_record *record;
+    tvi_event *event;
+    const double by_integrals[] = {0.7, -1.3};
+    double by_end[2 * COLUMNS_MOST_N + 1] = {0.3}, by_start[2 * COLUMNS_MOST_N + 1];
+    double by_parameters[COLUMNS_MOST_PARAMETERS], largest = 0;
+    columns_open(&run, gradient_problem(problem), NULL, 0);
+    const int n = run.n, parameters = run.rows - 2 * n;
+    ck_assert_int_eq(tvi_record_create(&record, run.it, 0), TVI_OK);
+    ck_assert_msg(tvi_record_integral(record, work, &run.n) == TVI_OK, "%s", tvi_last_error());
+    ck_assert_int_eq(tvi_record_integral(record, momentum, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_event_create(&event, n, TVI_RISING, true, crossing, &run.n), TVI_OK);
+    start x = {.t = 0.3};
+    memcpy(x.q, run.q, sizeof x.q);
+    memcpy(x.p, run.p, sizeof x.p);
+    tvi_system_recorded_parameters(run.system, x.c);
+    (void)run_from(&run, &x, record, event, at, by_integrals, by_end);
+    const tvi_loss loss = {.end = by_end, .integrals = by_integrals};
+    ck_assert_msg(tvi_gradient(record, &loss, by_start, by_parameters) == TVI_OK, "%s", tvi_last_error());
+    for (int i = 0; i < 2 * n + 1; i++) largest = fmax(largest, fabs(by_start[i]));
+    for (int i = 0; i < parameters; i++) largest = fmax(largest, fabs(by_parameters[i]));
+    for (int i = 0; i < 2 * n + 1 + parameters; i++) {
+        double *number = i < n ? &x.q[i] : i < 2 * n ? &x.p[i - n] : i == 2 * n ? &x.t : &x.c[i - 2 * n - 1];
+        const double kept = *number, d = 3e-4 * (i > 2 * n ? fabs(kept) : 1);
+        const double factor[] = {4.0 / 5, -1.0 / 5, 4.0 / 105, -1.0 / 280};
+        double slope = 0;
+        for (int k = 1; k <= 4; k++) { /* an error of d^8 */
+            *number = kept + k * d;
+            const double above = run_from(&run, &x, record, event, at, by_integrals, by_end);
+            *number = kept - k * d;
+            slope += factor[k - 1] * (above - run_from(&run, &x, record, event, at, by_integrals, by_end)) / d;
+        }
+        *number = kept;
+        const double by = i < 2 * n + 1 ? by_start[i] : by_parameters[i - 2 * n - 1];
+        ck_assert_msg(fabs(by - slope) <= 1e-8 * largest, "%s, %d: %.12g, and %.12g by differences, of %g",
+                      run.problem->name, i, by, slope, largest);
+    }
+    tvi_event_free(event);
+    tvi_record_free(record);
+    columns_close(&run);
+}
+END_TEST
+
+/* The action of a run of Kepler's problem, int p^2 dt, by plain and rescaled steps; a run that is cut, and one that
+ * begins anew. */
+START_TEST(values)
+{
+    static const int of[] = {COLUMNS_KEPLER, COLUMNS_REVERSIBLE, GRADIENT_K};
+    double value[3][2];
+    for (int k = 0; k < 3; k++) {
+        columns_run run;
+        tvi_record *record;
+        columns_open(&run, gradient_problem(of[k]), NULL, 0);
+        double q[] = {1, 0}, p[] = {0, 0.8};
+        ck_assert_int_eq(tvi_record_create(&record, run.it, 0), TVI_OK);
+        ck_assert_int_eq(tvi_record_integral(record, momentum, NULL), TVI_OK);
+        for (int again = 0; again < 2; again++) {
+            double t = 0, x[2], y[2];
+            memcpy(x, q, sizeof x);
+            memcpy(y, p, sizeof y);
+            for (int part = 1; part <= 3; part++)
+                ck_assert_int_eq(
+                    tvi_run(run.it, &(tvi_run_plan){.h = 0.05, .has_t_end = true, .t_end = 3 * part, .record = record},
+                            &t, x, y),
+                    TVI_OK);
+            tvi_record_integrals(record, &value[k][again]);
+        }
+        ck_assert(value[k][0] == value[k][1]);
+        ck_assert_double_eq_tol(value[k][0], value[0][0], 1e-12 * value[0][0]);
+        tvi_record_free(record);
+        columns_close(&run);
+    }
+}
+END_TEST
+
+static jet outside(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t, (void)ctx;
+    return jet_log(jet_sub(q[0], 0.5));
+}
+
+static jet with_another(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t, (void)ctx;
+    return jet_parameter(q[0], 1, 3);
+}
+
+/* What is refused, and a step whose integrand has no value. */
+START_TEST(refusals)
+{
+    columns_run run;
+    tvi_record *record;
+    columns_open(&run, gradient_problem(COLUMNS_KEPLER), "stormer-verlet", 2);
+    ck_assert_int_eq(tvi_record_create(&record, run.it, 0), TVI_OK);
+    ck_assert_int_eq(tvi_record_integral(record, momentum, NULL), TVI_EUNSUPPORTED);
+    ck_assert_ptr_nonnull(strstr(tvi_last_error(), "running integrals are for galerkin"));
+    ck_assert_int_eq(tvi_record_integral(NULL, momentum, NULL), TVI_EINVAL);
+    ck_assert_int_eq(tvi_record_integral(record, NULL, NULL), TVI_EUNSUPPORTED);
+    tvi_record_free(record);
+    columns_close(&run);
+    columns_open(&run, gradient_problem(COLUMNS_KEPLER), NULL, 0);
+    ck_assert_int_eq(tvi_record_create(&record, run.it, 0), TVI_OK);
+    ck_assert_int_eq(tvi_record_integral(record, NULL, NULL), TVI_EINVAL);
+    ck_assert_int_eq(tvi_record_integral(record, with_another, NULL), TVI_EINVAL);
+    ck_assert_ptr_nonnull(strstr(tvi_last_error(), "a parameter that the system has not"));
+    ck_assert_int_eq(tvi_record_integral(record, outside, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_run(run.it, &(tvi_run_plan){.h = 0.1, .steps = 100, .record = record}, &run.t, run.q, run.p),
+                     TVI_EDOMAIN);
+    ck_assert_ptr_nonnull(strstr(tvi_last_error(), "a running integral has no value"));
+    ck_assert_double_gt(run.q[0], 0.5);
+    ck_assert_int_eq(tvi_record_counts(record, NULL, NULL), lround(run.t / 0.1));
+    tvi_record_free(record);
+    columns_close(&run);
+}
+END_TEST
+
+Suite *suite_integrals(void)
+{
+    Suite *suite = suite_create("integrals");
+    TCase *c = tcase_create("integrals");
+    tcase_add_loop_test(c, beside_differences, 0, ENDS * GRADIENT_PROBLEMS);
+    tcase_add_test(c, values);
+    tcase_add_test(c, refusals);
+    suite_add_tcase(suite, c);
+    return suite;
+}
