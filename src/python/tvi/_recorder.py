@@ -18,11 +18,16 @@ class Recorder:
 
     def __init__(self, n: int, t: float, q: np.ndarray, p: np.ndarray, every: int = 1):
         self._n, self.every, self._count = n, every, 0
-        self._rows: list[bytes] = []
+        self._rows: list[tuple[float, bytes, bytes]] = []
+        self._starts: set[tuple] = set()  # rows from which the run went on with other momenta: none of them is dropped
         self.add(t, q, p)
 
     def add(self, t: float, q: Any, p: Any) -> None:
         self._rows.append((t, q.tobytes(), p.tobytes()))
+
+    def start(self, t: float, q: Any, p: Any) -> None:
+        self.keep(t, q, p)
+        self._starts.add(self._rows[-1])
 
     def after_step(self, t: float, q: Any, p: Any) -> None:
         """Told of each step by the library, with its pointers."""
@@ -30,8 +35,8 @@ class Recorder:
         if self._count % self.every == 0:
             size = 8 * self._n
             self._rows.append((t, ffi.buffer(q, size)[:], ffi.buffer(p, size)[:]))
-            if len(self._rows) > 2 * ROWS:
-                self._rows = self._rows[::2]
+            if len(self._rows) > 2 * ROWS + len(self._starts):
+                self._rows = [row for k, row in enumerate(self._rows) if k % 2 == 0 or row in self._starts]
                 self.every *= 2
 
     def keep(self, t: float, q: np.ndarray, p: np.ndarray) -> None:

@@ -14,7 +14,7 @@ from typing import Any, Callable
 import numpy as np
 
 from ._arrays import MOST_STEPS, copied, fraction, integer, number, numbers, pointer, step_size
-from ._library import ESTOPPED, OK, Guard, check, ffi
+from ._library import ESTOPPED, OK, Guard, check, ffi, text_of
 from ._systems import System
 
 PIECE = 0.05  # seconds of a call
@@ -228,5 +228,6 @@ def ended(status: int, guard: Guard, system: System, way: Way) -> bool:
     guard.reraise()
     if status == ESTOPPED:
         return False
-    check(status, advice(system, way))
+    is_at_rest = "before the time moves" in text_of(status)
+    check(status, ": end the run before that by a terminal event" if is_at_rest else advice(system, way))
     return True

@@ -55,7 +55,8 @@ class Dense:
     """The states of a run to a tolerance at given times, on the curves of its steps, whose series they are."""
 
     def __init__(self, integrator: Integrator, times: np.ndarray):
-        self._integrator, self._times, self._t = integrator, times, integrator.t
+        self._integrator, self._times = integrator, times
+        self._t, self._state = integrator.t, (integrator.q.copy(), integrator.p.copy())
         self.rows: list[tuple] = []
 
     def start(self) -> None:
@@ -70,7 +71,20 @@ class Dense:
             if theta > 1:
                 break
             self.rows.append((wanted, *self._integrator.dense(theta)))
-        self._t = t
+        self._t, self._state = t, state
+
+    def at_event(self, way: dict[str, Any]) -> None:
+        """Those between the last step and the event that stopped the run, which is no step and has no curve."""
+        it, left = self._integrator, self._times[len(self.rows):]
+        sign = 1.0 if it.t >= self._t else -1.0
+        here = left[sign * left <= sign * it.t]
+        if len(here):
+            other = Integrator(it.system, *self._state, t=self._t, method=it.method, **it.parameters)
+            self.rows += zip(here, *states_at(other, way, here))
+
+    def go_on(self) -> None:
+        """The run goes on from the state of its integrator, which is not that of a step."""
+        self._t, self._state = self._integrator.t, (self._integrator.q.copy(), self._integrator.p.copy())
 
     def arrays(self) -> tuple[np.ndarray, np.ndarray]:
         n = self._integrator.system.n

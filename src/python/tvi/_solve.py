@@ -12,8 +12,8 @@ import numpy as np
 
 from ._alike import Stats
 from ._arguments import answered, start_of_one
-from ._arrays import Array, fraction, numbers, step_size
-from ._events import Found, Recorded, events_of, found
+from ._arrays import Array, copied, fraction, numbers, step_size
+from ._events import Event, Found, Recorded, events_of, found
 from ._gradient import Gradient, Record, check_arguments, gradient_of
 from ._integrator import Integrator
 from ._jacobian import Columns, Derivatives
@@ -54,6 +54,7 @@ class Result:
         self._event_order: list[int] = []
         self._is_at_times = False
         self._start, self._way = (integrator.t, integrator.q.copy(), integrator.p.copy()), way
+        self._callbacks: list[Event] = []  # the events that have one
 
     @property
     def success(self) -> bool:
@@ -117,6 +118,8 @@ class Result:
         True
         """
         t, q, p = self._start
+        if self._callbacks:
+            return self._end_error_with_callbacks()
         it = Integrator(self.system, q, p, t=t, method=self.method, **self.parameters)
         if "h" in self._way:
             it.integrate_to(self._way["h"] / 2, self.t_end)
@@ -124,6 +127,17 @@ class Result:
             it.run(tolerance=max(self._way["tolerance"] / 100, 2.3e-16), t_end=self.t_end,
                    largest_step=self._way["largest_step"])
         return max(_relative(self.q_end - it.q, self.q, it.q), _relative(self.p_end - it.p, self.p, it.p))
+
+    def _end_error_with_callbacks(self) -> float:
+        t, q, p = self._start
+        finer = {"h": self._way["h"] / 2} if "h" in self._way else \
+            {**self._way, "tolerance": max(self._way["tolerance"] / 100, 2.3e-16)}
+        again = solve(self.system, (t, self.t_end), q, p, method=self.method, events=self._callbacks, **finer,
+                      **self.parameters)
+        if not again.success:
+            raise Error(again.message, "ESTOPPED")
+        return max(_relative(self.q_end - again.q_end, self.q, again.q),
+                   _relative(self.p_end - again.p_end, self.p, again.p))
 
     def __repr__(self) -> str:
         return f"<tvi result: {self.message} {len(self.t)} states>"
@@ -167,15 +181,19 @@ class Run:
         after_step = self._after_step(None if in_pieces else recorder, dense)
         cuts = {"every": recorder.every} if in_pieces else {}
         try:
+            first = 0
             cuts["after"] = self._after(recorder if in_pieces else None)
-            try:
-                is_whole = it._go(way, recorded, functions, after_step, **cuts)
-            except Error as error:
-                if self.columns is None or not self.columns.alone(error):
-                    raise
-                rows.clear()
-                is_whole = it._go(way, recorded, functions, after_step, **cuts)
-            self.result.status = 0 if is_whole else 1
+            while not self._went(way, recorded, functions, after_step, cuts, rows if t_eval is not None else []):
+                if dense:
+                    dense.at_event(self.way)
+                if self._call_back(events, first):
+                    self.result.status = 1
+                    break
+                first = len(self.told)
+                if dense:
+                    dense.go_on()
+                if times is not None:
+                    way.times = times[len(rows):]
         except Error as error:
             if it.system.constraints and it.stats.steps == 0 and error.status in ("EINVAL", "ESINGULAR"):
                 raise  # The constraints refuse the start.
@@ -191,12 +209,41 @@ class Run:
         if self.columns is not None:
             self.columns.keep()
 
+    def _went(self, way: Way, recorded: Recorded, functions: dict[str, Any], after_step: Callable | None,
+              cuts: dict[str, Any], rows: list) -> bool:
+        """Whether the run went to its end. If its system has no columns at once, it is made anew with each alone."""
+        try:
+            return self.integrator._go(way, recorded, functions, after_step, **cuts)
+        except Error as error:
+            if self.columns is None or not self.columns.alone(error):
+                raise
+        rows.clear()
+        return self.integrator._go(way, recorded, functions, after_step, **cuts)
+
+    def _call_back(self, events: list, first: int) -> bool:
+        """The callbacks of the events that stopped the run, which were told from the first on, change p; whether the
+        run ends here."""
+        it, is_ended = self.integrator, False
+        called = [which for which, *_ in self.told[first:] if events[which].terminal or events[which].callback]
+        for which in called:
+            is_ended |= events[which].terminal
+            if events[which].callback:
+                if self.recorder is not None:
+                    self.recorder.keep(it.t, it.q, it.p)
+                p = events[which].callback(it.t, it.q.copy(), it.p.copy())
+                if p is not None:
+                    it.p = numbers(f"what the callback of event {which} returned", p, it.system.n)
+                if self.recorder is not None:
+                    self.recorder.start(it.t, it.q, it.p)
+        return is_ended or not called
+
     def _after_step(self, recorder: Recorder | None, dense: Dense | None) -> Callable | None:
         if recorder is None and dense is None:
             return None
         told = [recorder.after_step] if recorder else []
         if dense:
-            told.append(lambda t, q, p: dense.at_step(0, t))
+            n = self.integrator.system.n
+            told.append(lambda t, q, p: dense.at_step(0, t, copied(q, n), copied(p, n)))
         progress = self.progress
 
         def after_step(t: float, q: Any, p: Any) -> None:
@@ -248,7 +295,7 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
     by tvi.suggest_step, whose whole runs cost 3 to 6 times the run itself (Result.error is what they measured); or
     tolerance, with "taylor", of the order that suits it unless method="taylor" names one. None of them: error=1e-9, or
     the smallest that roundoff allows. largest_step, with error or tolerance, bounds the steps, for what is too short to
-    be seen between them, as a push in time.
+    be seen between them, as a push in time. A run with callbacks of events has no error=: give h or a tolerance.
 
     t_eval [k]: the times of the result, in the order of the run; None: the states after all steps, or in a run of
     more than 10000 steps after every k-th. events: tvi.event, or functions g(q, p) or g(q, p, t), one or a list.
@@ -272,16 +319,21 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
     """
     t, t_end = span_of(system, t_span)
     is_default = h is None and error is None and tolerance is None
+    several = events_of(events, may_call=True)
+    has_callbacks = any(one.callback for one in several)
     if jacobian is not None and h is None:
         raise TypeError("jacobian is that of the steps that are made, and needs h: take run.h of a first run")
     if jacobian is not None and t_eval is None:
         raise TypeError("jacobian is that of the states at t_eval: give the times")
+    if jacobian is not None and has_callbacks:
+        raise TypeError("jacobian does not go with callbacks that change p")
+    if h is None and tolerance is None and has_callbacks:
+        raise TypeError("give h or a tolerance: an error at the end is measured by runs without callbacks")
     h, error, tolerance = steps_of(system, t_end - t, h, error, tolerance, largest_step)
     times = _times(t_eval, t, t_end)
-    several = events_of(events)
     method = method_to(tolerance, system, method, order)
     if gradient:
-        check_arguments(system, h is not None, v0, False)
+        check_arguments(system, h is not None, v0, has_callbacks)
     q0, p0, v0 = start_of_one("q0 p0 v0", system, q0, p0, v0)
     it = Integrator(system, q0, p0, v=v0, t=t, method=method, **parameters)
     measured, steps = None, math.nan
@@ -300,6 +352,7 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
     columns = None if jacobian is None else Columns(it, jacobian, v0 is not None)
     way = {"h": h} if tolerance is None else {"tolerance": tolerance, "largest_step": largest_step}
     result = Result(it, way, h or math.nan, measured)
+    result._callbacks = [one for one in several if one.callback]
     if gradient:
         it._record = result._record = Record(it)
     run = Run(it, result, way, t_end, progress)
