@@ -16,6 +16,7 @@ from ._library import Interrupted, check
 from ._methods import Compiled, Method, measured_step, method_to
 from ._recorder import Progress
 from ._runs import Course, Way, advice, new_plan
+from ._shown import as_html, as_text
 from ._solve import _times, span_of, step_of, steps_of
 from ._systems import System
 
@@ -41,7 +42,18 @@ class EnsembleResult:
         return bool(np.isin(self.status, ("OK", "ESTOPPED")).all())
 
     def __repr__(self) -> str:
-        return f"<tvi ensemble result: {self.message}>"
+        return as_text(f"tvi ensemble result: {self.message}", self._rows())
+
+    def _repr_html_(self) -> str:
+        return as_html(f"tvi ensemble result: {self.message}", self._rows())
+
+    def _rows(self) -> dict[str, Any]:
+        names, counts = np.unique(self.status, return_counts=True)
+        return {"system": self.orbits.system, "method": f"{self.orbits.method!r}, h = {self.h:.6g}",
+                "members": ", ".join(f"{count} {name}" for name, count in zip(names, counts)),
+                "q, p": f"of the shape {self.q.shape}",
+                "error": None if self.error is None else f"{self.error:.1e} at the end, measured",
+                "events": ", ".join(str(len(found.t)) for found in self.events) or None}
 
 
 @answered

@@ -8,6 +8,7 @@ import numpy as np
 
 from ._arrays import numbers
 from ._integrator import Integrator
+from ._shown import as_html
 
 
 class Solution:
@@ -21,6 +22,12 @@ class Solution:
 
     def __repr__(self) -> str:
         return f"<tvi solution: sol(t) is q and p at t from {self._t[0]} to {self._t_end}>"
+
+    def _repr_html_(self) -> str:
+        system, method, _ = self._arguments
+        return as_html("tvi solution: sol(t) is q and p at t", {
+            "t": f"from {self._t[0]} to {self._t_end}", "system": system, "method": repr(method),
+            "kept": f"{len(self._t)} states, between which it makes steps"})
 
     def __call__(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
         times = np.atleast_1d(numbers("t", t, *[None] * np.ndim(t)))

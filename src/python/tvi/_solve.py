@@ -21,6 +21,7 @@ from ._library import Error, Interrupted
 from ._methods import Compiled, Method, compile, measured_step, method_to
 from ._recorder import ROWS, Progress, Recorder
 from ._runs import Way
+from ._shown import as_html, as_text
 from ._solution import Dense, Solution
 from ._systems import System, required_system
 
@@ -84,6 +85,26 @@ class Result:
     def _multipliers(self) -> tuple:
         return self._recorded.multipliers(self.t, self.q, self.p) if self.system.constraints else (None, None)
 
+    def orbits(self, about: "int | str" = 0, bodies: Any = None) -> Any:
+        """The orbital elements of all bodies at all times, a gravity.Orbit of arrays [k, bodies - 1]: relative to the
+        body number `about`, or with about="inner" each to the centre of mass of those before it
+        (gravity.Bodies.orbits). bodies: a gravity.Bodies; that of the system, where it was made by Bodies.system().
+
+        >>> from tvi import gravity
+        >>> sun = gravity.Bodies([1, 1e-3, 1e-4], axes=2)
+        >>> q0, v0 = [0, 0, 1, 0, 2, 0], [0, 0, 0, 1.0005, 0, 0.7]
+        >>> run = tvi.solve(sun.system(), (0, 100), q0, v0=v0, h=0.5)
+        >>> orbits = run.orbits()
+        >>> print(orbits.a.shape, orbits.e.max(axis=0).round(3))
+        (201, 2) [0.002 0.022]
+        """
+        from .gravity import Bodies, bodies_of  # which are made of systems
+
+        bodies = bodies_of(self.system) if bodies is None else bodies
+        if not isinstance(bodies, Bodies):
+            raise TypeError("the system is not that of gravity.Bodies: give bodies=gravity.Bodies(...)")
+        return bodies.orbits(self.q, self.p, about)
+
     @cached_property
     def _recorded(self) -> System:
         given = {name: value for name, value in self.parameters.items()
@@ -140,7 +161,27 @@ class Result:
                    _relative(self.p_end - again.p_end, self.p, again.p))
 
     def __repr__(self) -> str:
-        return f"<tvi result: {self.message} {len(self.t)} states>"
+        return as_text(f"tvi result: {self.message}", self._rows())
+
+    def _repr_html_(self) -> str:
+        return as_html(f"tvi result: {self.message}", self._rows())
+
+    def _rows(self) -> dict[str, Any]:
+        it = self.integrator
+        way = ", ".join(f"{name} = {value:.6g}" for name, value in self._way.items() if value is not None)
+        rows = {"system": self.system, "method": f"{self.method!r}, {way}",
+                "steps": f"{self.stats.steps}, {self.stats.passes / max(self.stats.steps, 1):.1f} passes each, "
+                         f"largest tail {self.stats.largest_tail:.1g}",
+                "t, q, p": f"{len(self.t)} states of n = {self.system.n}, to t = {self.t_end:.6g}"}
+        if self.system.has_energy and len(self.t):
+            rows["energy"] = f"{self.energy[0]:.12g}, within {np.ptp(self.energy):.1g}"
+        if self.error is not None:
+            rows["error"] = f"{self.error:.1e} at the end, measured"
+        if self.events:
+            rows["events"] = ", ".join(str(len(found.t)) for found in self.events)
+        if it.system.parameters:
+            rows["parameters"] = ", ".join(f"{name} = {value}" for name, value in self.parameters.items())
+        return rows
 
 
 def _relative(difference: np.ndarray, *sizes: np.ndarray) -> float:

@@ -11,6 +11,7 @@ from ._arrays import Array, Doubles, integer, numbers, pointer, spread
 from ._functions import Function, checked_parameters, scalar, vector
 from ._jets import Miscounted
 from ._library import Guard, Handle, check, ffi, lib, make
+from ._shown import as_html
 
 MAX_DIMENSION = 10000
 
@@ -38,6 +39,16 @@ class System:
         constraints = f", {self.constraints} constraint{'s' * (self.constraints > 1)}" if self.constraints else ""
         named = "".join(f", {name}={value}" for name, value in self.parameters.items())
         return f"<tvi system: {self.kind.replace('_', ', ')}, n = {self.n}{constraints}{named}>"
+
+    def _repr_html_(self) -> str:
+        masses = np.unique(self.masses)
+        rows = {"n": self.n, "mass": masses[0] if len(masses) == 1 else f"from {masses[0]:.6g} to {masses[-1]:.6g}",
+                "function": getattr(self._arguments[1], "__qualname__", self._arguments[1]),
+                "energy": None if self.has_energy else "none, as it is made from a force",
+                "constraints": self.constraints or None, "made of": None, **self.parameters}
+        if self.kind not in _CALLS:
+            rows["made of"] = self._arguments[0]
+        return as_html(f"tvi system: {self.kind.replace('_', ', ')}", rows)
 
     @property
     def kind(self) -> str:

@@ -204,6 +204,42 @@ class Bodies:
         _each(lib.tvi_bodies_angular_momentum, self._bodies, _rows(q), _rows(p), _rows(L.array))
         return L.array.copy()
 
+    def orbits(self, q: Array, p: Array, about: "int | str" = 0) -> "Orbit":
+        """The orbital elements [..., bodies - 1] of all bodies but one, in their order, of states [..., n].
+
+        about: the number of the body that they move about, with mu = G (m_about + m_j); or "inner": each about the
+        centre of mass of all bodies before it (Jacobi's coordinates), with mu = G (m_0 + ... + m_j). Raises tvi.Error
+        as Orbit.of, with the place of the state in [..., bodies - 1].
+
+        >>> from tvi import gravity
+        >>> sun = gravity.Bodies([1, 1e-3, 1e-4], axes=2)
+        >>> q, v = [0, 0, 1, 0, 2, 0], [0, 0, 0, 1.0005, 0, 0.7]
+        >>> orbits = sun.orbits(q, sun.momenta(v))
+        >>> print(orbits.a.round(3), orbits.e.round(3))
+        [1.    1.961] [0.   0.02]
+        """
+        q, p = _states(self.n, q=q, p=p)
+        shape = (*q.shape[:-1], len(self._mass), self.axes)
+        x, v = (np.zeros((*shape[:-1], 3)) for _ in "xv")
+        x[..., :self.axes], v[..., :self.axes] = q.reshape(shape), self.velocities(p).reshape(shape)
+        G = self._bodies.G or 1.0
+        if about == "inner":
+            inside = np.cumsum(self._mass)
+            middle = [np.cumsum(self._mass[:, None] * y, axis=-2)[..., :-1, :] / inside[:-1, None] for y in (x, v)]
+            return Orbit.of(G * inside[1:], *(y[..., 1:, :] - m for y, m in zip((x, v), middle)))
+        about = integer("about", about, 0, len(self._mass) - 1)
+        others = np.delete(np.arange(len(self._mass)), about)
+        return Orbit.of(G * (self._mass[about] + self._mass[others]),
+                        *(y[..., others, :] - y[..., [about], :] for y in (x, v)))
+
+
+def bodies_of(system: System) -> "Bodies | None":
+    """The bodies whose potential a system has, perhaps rescaled, driven or constrained; None where it has another."""
+    while isinstance(system._arguments[0], System):
+        system = system._arguments[0]
+    bodies = getattr(system._arguments[1], "__self__", None)
+    return bodies if isinstance(bodies, Bodies) else None
+
 
 def _again(mass: np.ndarray, axes: int, others: dict) -> Bodies:
     return Bodies(mass, axes, **others)
