@@ -99,7 +99,7 @@ manual() {
 # the links of the pages lead to what is installed with them
 pages() {
     cd "$1/share/doc/tvi"
-    for page in *.md examples/README.md; do
+    for page in *.md examples/README.md python/README.md; do
         for link in $(grep -oE '\]\([^)#]+' "$page" | sed 's/^](//' | grep -v '^http'); do
             [ -e "$(dirname "$page")/$link" ] || fail "$page has a link to $link, which is not installed"
         done

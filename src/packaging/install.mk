@@ -5,7 +5,7 @@ LIBDIR     ?= $(PREFIX)/lib
 LIB         = $(LIBDIR:$(PREFIX)/%=%)
 HEADERS    := $(notdir $(wildcard include/*))
 MAN        := $(BUILD)/man/man3
-PAGES      := $(wildcard docs/*.md docs/CITATION.cff docs/*.png docs/*/*.png docs/examples/* docs/python/*.py)
+PAGES      := $(wildcard docs/*.md docs/CITATION.cff docs/*.png docs/*/*.png docs/examples/* docs/python/*.py docs/python/*.md)
 ROOT        = $(DESTDIR)$(PREFIX)
 CMAKE       = $(LIB)/cmake/tvi
 SHARE      := share/doc/tvi
