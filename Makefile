@@ -23,6 +23,7 @@
 # make choose     the tables of docs/choosing.md: the fastest method for each scene and error, five minutes
 # make tails      its table of tvi_stats.tail: right and wrong steps
 # make suggest    its table of tvi_suggest_step: what runs with the suggested steps reach
+# make orbit      the first picture of README.md: an eccentric orbit beside SciPy's DOP853, ten seconds
 # make tolerance  runs to a tolerance through forces of all widths, beside SciPy's DOP853
 # make light      light bodies beside heavy ones in every kind of steps: which are right, refused, or warned of
 # make performance   the tables and the picture of docs/performance.md, those of compiled.md and ensembles.md, five
@@ -46,14 +47,14 @@
 # make docs-tables   all tables and pictures of the documents anew, an hour; those of one target: make performance-docs,
 #                 choose-docs, bench-docs, peers-docs, tails-docs, suggest-docs, stability-docs, guard-docs, longrun-docs,
 #                 adaptive-docs, chaos-docs, constraints-docs, gradient-docs, order-doubling-docs, experiments-docs,
-#                 maps-docs
+#                 maps-docs, orbit-docs
 # make chaos      Lyapunov exponents and MEGNO of Henon-Heiles by the tangent map: tables and picture of docs/chaos.md
 # make maps       order and chaos over planes of starts, by ensembles: the pictures of
 #                 docs/ensembles.md, some minutes
 # make adaptive   fixed and rescaled steps on eccentric orbits and close encounters: the table and the picture of
 #                 docs/adaptive.md
 # make experiments      the figures of the paper: CSV, tables and pictures in build/bench/experiments, one minute
-# make gallery    the pictures of docs/python.md, half a minute
+# make gallery    the pictures of docs/python/README.md, half a minute
 # make references bench/scenes/references.h anew, in quadruple precision
 
 BUILD   ?= build

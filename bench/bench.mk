@@ -42,6 +42,16 @@ tolerance: need-library all
 	@cat $(BUILD)/bench/tolerance/tolerance.md
 .PHONY: tolerance
 
+# the first picture of README.md: an eccentric orbit beside SciPy's DOP853, ten seconds
+orbit: need-bench all
+	$(call need,$(foreach package,numpy cffi,'python3-$(package):$(HAS_PYTHON)') \
+	    'python3-scipy:/usr/bin/python3 -c "import scipy"')
+	@mkdir -p $(BUILD)/bench/orbit
+	$(PYTHON_HERE) /usr/bin/python3 bench/orbit/orbit.py $(BUILD)/bench/orbit
+	gnuplot -c bench/orbit/orbit.gp $(BUILD)/bench/orbit bench/experiments
+	@cat $(BUILD)/bench/orbit/orbit.txt
+.PHONY: orbit
+
 # light bodies beside heavy ones in every kind of steps: which are right, refused, or warned of
 light: need-library all
 	$(call need,$(foreach package,numpy cffi matplotlib,'python3-$(package):$(HAS_PYTHON)'))

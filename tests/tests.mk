@@ -319,7 +319,7 @@ do-dist:
 # the program of the README, by its own command, and with events: 1010 passages, and the steps that there are without; the
 # fragments of pages
 check-readme: ; $(REPORT) "the programs of the README" $(DO)
-do-readme: $(BUILD)/libtvi.a
+do-readme: $(BUILD)/libtvi.a $(BUILD)/libtvi.so
 	@mkdir -p $(BUILD)/check
 	tests/readme.sh README.md $(BUILD)/check
 	CC='$(CC)' STRICT='$(STRICT)' LIBRARY='$(abspath $(BUILD)/libtvi.a) $(LIBS)' \
@@ -335,7 +335,10 @@ do-readme: $(BUILD)/libtvi.a
 	cat $(BUILD)/check/readme.out
 	grep -F "$$(sed -n 's/^    \(q = .*,\) error .*/\1/p' README.md)" $(BUILD)/check/readme.out $(BUILD)/check/readme_step.out
 	test "$$(grep -c closest $(BUILD)/check/readme_events.out)" = 1010
-	tail -n 1 $(BUILD)/check/readme_events.out | cmp $(BUILD)/check/readme.out
+	tail -n 1 $(BUILD)/check/readme_events.out | cmp - $(BUILD)/check/readme_step.out
+	awk '/^```python$$/ { inside = 1; next } /^```/ { inside = 0 } inside' README.md >$(BUILD)/check/program.py
+	sh -c "$$(sed -n 's/^    \(PYTHONPATH=.*\) program.py$$/\1/p' README.md | sed 's| [^ ]*/python3$$| $(PYTHON)|; s|=build/|=$(BUILD)/|') $(BUILD)/check/program.py" | \
+	    grep "^$$(sed -n 's/^It prints `\(.* -0.6859\).*/\1/p' README.md | sed 's/\[/\\[/')"
 
 # programs that users wrote, and what they have to print: tests/cases/cases.txt
 check-cases: ; $(REPORT) "cases: each passes or fails as its line says" $(DO)

@@ -93,9 +93,9 @@ static void write_advice(const report *r, FILE *out)
         const char *have, *take, *method;
     } rows[] = {
         {"any system, and long times", "the default: \"galerkin\", order 16", "galerkin"},
-        {"the paper's Taylor curve at its best, and long times", "\"midpoint\", order 18 or 20", "midpoint"},
+        {"a Taylor curve of each step wanted, and long times", "\"midpoint\", order 18 or 20", "midpoint"},
         {"a short orbit, energy may drift", "\"taylor\", order 8 to 18", "taylor"},
-        {"the paper's form to compare with", "\"symmetric-tvi\", its best order", "symmetric-tvi"},
+        {"the paper's symmetric method, to compare with", "\"symmetric-tvi\", its best order", "symmetric-tvi"},
     };
     static const scene *const shown[] = {&scene_kepler, &scene_solar, &scene_double_pendulum};
     fprintf(out, "| you have | take |");

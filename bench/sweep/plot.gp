@@ -23,7 +23,9 @@ gauss          16 #777777 1 9
 blanes-moan    6  #B8A000 1 11
 END
 field(i, k) = word($curves[i], k)
-label(i) = (field(i, 1) eq "compiled" ? "compiled galerkin" : field(i, 1))." ".field(i, 2)
+name(method) = method eq "compiled" ? "galerkin" : method eq "tvi" ? "paper's TVI" : method
+note(method) = method eq "compiled" ? ", compiled" : method eq "gauss" || method eq "blanes-moan" ? ", by hand" : ""
+label(i) = name(field(i, 1))." ".field(i, 2).note(field(i, 1))
 # method and order of the curves that show a slope, which is their order
 $slopes << END
 stormer-verlet 2

@@ -66,6 +66,17 @@ class Page(unittest.TestCase):
             self.assertLess(program.with_suffix(".png").stat().st_size, 60000)
             self.assertLessEqual(len(program.read_text().splitlines()), 40)
 
+    def test_refused(self):
+        """The texts that refused.md explains are texts of the library."""
+        sources = " ".join(path.read_text() for folder in ("src", "ad", "include") for path in
+                           (ROOT / folder).rglob("*.[ch]"))
+        sources = re.sub(r'"\s*"', "", re.sub(r'"\s+[A-Z_]+\s+"', "", sources)).replace("%%", "%").replace('\\"', '"')
+        rows = re.findall(r"^\| (?!text)([^|-][^|]*) \|", (ROOT / "docs/refused.md").read_text(), re.M)
+        self.assertGreater(len(rows), 30)
+        for row in rows:
+            for text in re.split(r"; |, |\.\.\.", re.sub(r"\*\*TVI_(\w+)\*\*(, )?", "", row)):
+                self.assertIn(text.strip(), sources)
+
     def test_docstrings(self):
         finder, runner = doctest.DocTestFinder(), doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE)
         names = ["tvi", *(f"tvi.{module.name}" for module in pkgutil.iter_modules(tvi.__path__))]
