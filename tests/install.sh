@@ -139,9 +139,11 @@ refused_by_cmake "$stage/usr"
 by_python "$stage/usr"
 manual "$stage/usr"
 pages "$stage/usr"
-install uninstall PREFIX="$stage/usr" DESTDIR=
+install uninstall PREFIX="$stage/usr" DESTDIR= >"$stage/uninstalled"
+grep -q "^Removing tvi from $stage/usr" "$stage/uninstalled" || fail "uninstall does not say from where"
 left=$(cd "$stage/usr" && find . ! -type d -o -name 'tvi*')
 test "$left" = ./lib/foreign || fail "uninstall leaves $left"
+install uninstall PREFIX="$stage/usr" DESTDIR= | grep -q "^No tvi is below $stage/usr" || fail "nothing is uninstalled silently"
 
 # as a package, with the libraries in a folder of the architecture: nothing outside, nothing that knows where it was
 # staged, and it works where it is moved to

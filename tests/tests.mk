@@ -16,14 +16,17 @@ ALL     := $(patsubst %,check-%,generated members equilibria optimized)
         $(LONG) $(LONG:check-%=do-%) $(ALL) $(ALL:check-%=do-%)
 
 # What several checks need is built before they run side by side; where that fails, they say so.
+# The last line is the verdict.
+logs_of = $(1:%=$(BUILD)/check/%.log)
 define checks
 	@$(MAKE) --no-print-directory $(JOBS) built man
 	@$(MAKE) --no-print-directory -k $(JOBS) test-programs || true
-	@$(MAKE) --no-print-directory -k $(JOBS) run-$@
+	@rm -f $(addsuffix .status,$(call logs_of,$(1)))
+	@$(MAKE) --no-print-directory -k $(JOBS) run-$@; tests/verdict.sh $@ $(call logs_of,$(1))
 endef
-check: need-check ; $(checks)
-check-long: need-check ; $(checks)
-check-all: check check-long ; $(checks)
+check: need-check ; $(call checks,$(CHECKS))
+check-long: need-check ; $(call checks,$(LONG))
+check-all: check check-long ; $(call checks,$(ALL))
 
 run-check: $(CHECKS)
 run-check-long: $(LONG)
@@ -350,10 +353,11 @@ do-cases: $(BUILD)/libtvi.a $(BUILD)/libtvi.so
 do-cases-long: $(BUILD)/libtvi.a $(BUILD)/libtvi.so
 	$(CASES) long
 
-# what make verify does, on a small document
-check-tables: ; $(REPORT) "tables of the documents: verify and replace" $(DO)
+# what make verify does, on a small document; the last line of make check
+check-tables: ; $(REPORT) "tables of the documents: verify and replace; verdicts" $(DO)
 do-tables:
 	tests/tables.sh $(BUILD)
+	tests/verdicts.sh $(BUILD)/check/verdicts
 
 # the programs of docs/examples
 check-examples: ; $(REPORT) "the examples, as their README says" $(DO)

@@ -106,7 +106,7 @@ static tvi_status climb_to(line *l, int i)
     }
     l->sweep->failed++;
     snprintf(why, sizeof why, " in step %ld of %ld: %s", r->failed_step, r->steps, tvi_status_string(r->status));
-    remark(l, i, "failed", why);
+    remark(l, i, l->who->baseline ? "failed" : "refused", why);
     return r->status;
 }
 
@@ -258,7 +258,7 @@ bool sweep_scene(sweep *b, const scene *s, const contenders *list, double end)
     b->failed = b->skipped = 0;
     report_scene(&b->report, s);
     const bool done = sweep_system(b, system, s, list, end);
-    report_remark(&b->report, "%s: %ld runs failed, %ld were skipped", s->name, b->failed, b->skipped);
+    report_remark(&b->report, "%s: %ld runs were refused or failed, %ld were skipped", s->name, b->failed, b->skipped);
     tvi_system_free(system);
     return done;
 }

@@ -138,11 +138,13 @@ bool summary_write(const report *r, const scene *const *list, const scene *only,
                tables[t].title);
         bool written = copy_to_output(file);
         written &= fclose(file) == 0;
-        printf(
-            "Ours is faster in %d lines and slower in %d; in %d only ours reaches the error, in %d only a baseline.\n",
-            result.wins, result.losses, result.alone, result.beaten);
+        printf("tvi is faster in %d lines and slower in %d; in %d only tvi reaches the error, in %d only a baseline.\n",
+               result.wins, result.losses, result.alone, result.beaten);
         fflush(stdout);
         if (!written) return false;
     }
+    printf("\nBaselines are written by hand, each for one force; tvi runs any function that is recorded. A step that "
+           "is too\n"
+           "large is refused, which the remarks above and work_precision.csv name run by run.\n");
     return true;
 }

@@ -46,9 +46,11 @@ install: all
 uninstall: man
 	@$(MAKE) --no-print-directory remove-installed
 remove-installed:
-	rm -f $(INSTALLED:%=$(ROOT)/%)
-	$(if $(PYTHONDIR),rm -rf $(ROOT)/$(MODULE)/__pycache__)
-	for folder in $(CMAKE) $(if $(PYTHONDIR),$(MODULE)) $(PAGE_DIRS) $(SHARE); do [ ! -d $(ROOT)/$$folder ] || \
+	@if [ -e $(ROOT)/include/tvi.h ]; then echo 'Removing tvi from $(ROOT), its libraries from $(ROOT)/$(LIB)'; \
+	else echo 'No tvi is below $(ROOT): name the PREFIX, LIBDIR and DESTDIR of make install'; fi
+	$(if $(V),,@)rm -f $(INSTALLED:%=$(ROOT)/%)
+	$(if $(V),,@)$(if $(PYTHONDIR),rm -rf $(ROOT)/$(MODULE)/__pycache__)
+	$(if $(V),,@)for folder in $(CMAKE) $(if $(PYTHONDIR),$(MODULE)) $(PAGE_DIRS) $(SHARE); do [ ! -d $(ROOT)/$$folder ] || \
 	    rmdir --ignore-fail-on-non-empty $(ROOT)/$$folder; done
 .PHONY: remove-installed
 
