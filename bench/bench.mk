@@ -13,7 +13,7 @@ bench: need-bench
 	gnuplot -c bench/sweep/plot.gp $(BUILD)/bench
 	@echo "Tables and plots: $(BUILD)/bench/*.csv, *.png, *.svg"
 
-# the tables of docs/choosing.md and README.md, five minutes
+# the tables of docs/choosing.md, five minutes
 choose: need-library
 	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/bench/choosing/choose
 	$(BUILD)/bench/choosing/choose $(BUILD)/bench/choosing $(BUDGET)
