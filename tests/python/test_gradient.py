@@ -84,6 +84,20 @@ class Gradients(unittest.TestCase):
         self.assertAlmostEqual(g.q0[0], 0, places=12)
         self.assertAlmostEqual(g.t0, 1, places=12)
 
+    def test_integrals(self):
+        spring = tvi.potential(1, lambda q, k: k * q[0]**2 / 2, k=4.0)
+        work = [lambda q, p: p[0]**2, lambda q, p, t, k: k * t * q[0]]
+        run = tvi.solve(spring, (0, 3), [1], p0=0, h=0.1, integrals=work, gradient=True)
+        w = np.sqrt(4.0)
+        self.assertAlmostEqual(run.integrals[0], w * (6 * w - np.sin(6 * w)) / 4, places=12)
+        self.assertAlmostEqual(run.integrals[1], 3 * w * np.sin(3 * w) + np.cos(3 * w) - 1, places=12)
+        g = run.gradient(integrals=[1, 0])
+        by_w = (12 * w - np.sin(6 * w) - 6 * w * np.cos(6 * w)) / 4
+        self.assertAlmostEqual(g.k, by_w / (2 * w), places=11)
+        self.assertAlmostEqual(g.q0[0], 2 * run.integrals[0], places=11)
+        g = run.gradient(integrals=[0, 1])
+        self.assertAlmostEqual(g.k, 9 * np.cos(3 * w) / 2, places=11)
+
     def test_refusals(self):
         spring = tvi.potential(1, lambda q, k: k * q[0]**2 / 2, k=4.0)
         general = tvi.hamiltonian(1, lambda q, p: p[0]**2 / 2 + q[0] * p[0] + q[0]**2)

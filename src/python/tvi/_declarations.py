@@ -190,6 +190,8 @@ GRADIENTS = """
 tvi_status tvi_record_create(tvi_record **out, const tvi_integrator *integrator, size_t bytes);
 void tvi_record_free(tvi_record *record);
 long tvi_record_counts(const tvi_record *record, int *times, int *events);
+tvi_status tvi_record_integral(tvi_record *record, tvi_event_fn *l, void *ctx);
+void tvi_record_integrals(const tvi_record *record, double value[]);
 tvi_status tvi_gradient(tvi_record *record, const tvi_loss *loss, double by_start[], double by_parameters[]);
 """
 

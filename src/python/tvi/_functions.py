@@ -14,7 +14,7 @@ from ._unrecorded import unrecorded
 
 # Names that are arguments of the module's functions, and so cannot be those of parameters.
 RESERVED = frozenset("n V mass system t_span q0 p0 v0 h error tolerance largest_step method order t_eval events "
-                     "dense_output compiled progress gradient jacobian threads members q p v t self every w0 "
+                     "dense_output compiled progress gradient jacobian integrals threads members q p v t self every w0 "
                      "function g drive".split())
 
 _REFUSED = (float("nan"), ffi.NULL)  # What the library gets where the function raised, and refuses.

@@ -2,22 +2,32 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Callable, Iterable
 
 import numpy as np
 
 from ._arrays import numbers, pointer
-from ._library import Handle, check, ffi, lib, make
+from ._functions import Function, scalar
+from ._library import Guard, Handle, check, ffi, lib, make
 from ._systems import System
 
 
 class Record:
-    """What the runs of an integrator leave behind for their gradients."""
+    """What the runs of an integrator leave behind for their gradients; integrands: l(q, p) or l(q, p, t)."""
 
-    def __init__(self, integrator: Any):
+    def __init__(self, integrator: Any, integrands: "Callable | Iterable[Callable]"):
         made = make("tvi_record", lambda out: lib.tvi_record_create(out, integrator._handle.pointer, 0))
         self.handle = Handle(made, lib.tvi_record_free).own(self)
         self._system = integrator.system  # outlives the record
+        several = [integrands] if callable(integrands) else list(integrands)
+        self.integral_count = len(several)
+        for index, l in enumerate(several):
+            guard = Guard()
+            function = Function(f"integral {index}", l, "q p", self._system.parameters, takes_all=False)
+            callback = scalar(function, guard, "tvi_event_fn *", self._system.n)
+            status = lib.tvi_record_integral(made, callback, ffi.NULL)
+            guard.reraise()
+            check(status)
 
     def __del__(self) -> None:
         if handle := self.__dict__.get("handle"):
@@ -28,6 +38,13 @@ class Record:
         told = ffi.new("int [2]")
         lib.tvi_record_counts(self.handle.pointer, told, told + 1)
         return told[0], told[1]
+
+
+    def integrals(self) -> np.ndarray:
+        values = np.empty(self.integral_count)
+        if self.integral_count:
+            lib.tvi_record_integrals(self.handle.pointer, pointer(values))
+        return values
 
 
 class Gradient:
@@ -55,7 +72,7 @@ def has_constant_mass(system: System) -> bool:
 def check_arguments(system: System, is_by_h: bool, v0: Any, callbacks: bool) -> None:
     """Refuses runs that have no gradient, before they are made."""
     if not is_by_h:
-        raise TypeError("gradient=True takes h, with which a run is the same map each time: take run.h of a first run")
+        raise TypeError("gradient=True and integrals take h, with which runs are the same map: take run.h of a first run")
     if callbacks:
         raise TypeError("gradient=True does not go with callbacks that change p: make a run to each of the events, "
                         "with a gradient of its own")
@@ -80,6 +97,10 @@ def gradient_of(result: Any, given: dict[str, Any]) -> Gradient:
         at = np.concatenate([_rows(name, given[name], times, n) for name in "qp"], axis=1).copy()
         kept.append(at)
         loss.at_times = pointer(at)
+    if given["integrals"] is not None:
+        by = numbers("integrals", given["integrals"], record.integral_count)
+        kept.append(by)
+        loss.integrals = pointer(by)
     if given["events"] is not None:
         at = _by_events(given["events"], result._event_order, events, n)
         kept.append(at)

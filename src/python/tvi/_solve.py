@@ -74,6 +74,11 @@ class Result:
         return self._recorded.constraint_values(self.t, self.q, self.p)[0] if self.system.constraints else None
 
     @property
+    def integrals(self) -> np.ndarray:
+        """The running integrals [count] of the run."""
+        return np.empty(0) if self._record is None else self._record.integrals()
+
+    @property
     def multipliers(self) -> np.ndarray | None:
         return self._multipliers[0]
 
@@ -112,12 +117,12 @@ class Result:
         return self.system.recorded_with(given)
 
     def gradient(self, q: Array = None, p: Array = None, q_end: Array = None, p_end: Array = None,
-                 t_end: float | None = None, events: Any = None) -> Gradient:
+                 t_end: float | None = None, events: Any = None, integrals: Array = None) -> Gradient:
         """The derivatives of a loss by q0, p0, v0, t0 and the parameters of a run that was made with gradient=True,
         from its derivatives by what the run told: q and p [k, n] at t_eval, q_end and p_end [n], t_end where an event
-        ended the run, and for each function of events a dictionary with t [e], q and p [e, n] (or None). They are
-        exact derivatives of the computed steps, to roundoff, and take the time of some 2 to 4 runs, whatever the
-        number of parameters. Raises tvi.Error: ESINGULAR for an event that touches 0.
+        ended the run, for each function of events a dictionary with t [e], q and p [e, n] (or None), and integrals.
+        They are exact derivatives of the computed steps, to roundoff, and take the time of some 2 to 4 runs, whatever
+        the number of parameters. Raises tvi.Error: ESINGULAR for an event that touches 0.
 
         >>> import numpy as np, tvi
         >>> spring = tvi.potential(1, lambda q, k: k * q[0]**2 / 2, k=4.0)
@@ -126,7 +131,8 @@ class Result:
         >>> bool(np.isclose(g.q0[0], np.cos(2))), bool(np.isclose(g.k, -np.sin(2) / 4))
         (True, True)
         """
-        return gradient_of(self, {"q": q, "p": p, "q_end": q_end, "p_end": p_end, "t_end": t_end, "events": events})
+        return gradient_of(self, {"q": q, "p": p, "q_end": q_end, "p_end": p_end, "t_end": t_end, "events": events,
+                                  "integrals": integrals})
 
     def end_error(self) -> float:
         """How far the end is from that of the same run with half the step, or a tolerance 100 times smaller: the error
@@ -329,7 +335,7 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
           error: float | None = None, tolerance: float | None = None, largest_step: float | None = None,
           method: "str | Method" = "galerkin", order: int = 16, t_eval: Array = None, events: Any = (),
           dense_output: bool = False, compiled: "bool | str | Compiled" = "auto", progress: "bool | Callable" = False,
-          gradient: bool = False, jacobian: "str | list[str] | None" = None, **parameters: Any) -> Result:
+          gradient: bool = False, integrals: Any = (), jacobian: "str | list[str] | None" = None, **parameters: Any) -> Result:
     """A run from t_span[0] to t_span[1], either way, from q0 [n], and p0 or v0 [n], one of them; 0: at rest.
 
     The step: h (of a rescaled system in s); or error, the wanted error of the state at the end, for which h is chosen
@@ -343,9 +349,10 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
     dense_output: the result has sol(t). compiled: False; True; what tvi.compile made; "auto": compiled where there is
     a compiler and so many steps are made that it gains (steps times n from 1e8 on). progress: True draws a bar on a
     terminal; a function is called with t and the part that is done. gradient: the result has gradient(), with h and
-    "galerkin" or "stormer-verlet" alone. jacobian, with h and t_eval: names of parameters, "q0", and "p0" or "v0",
-    whichever was given; the result's by.k [time, 2n, ...] then is the derivative of q and p at these times by k, exact
-    for the steps that were made. parameters: values of those of the system.
+    "galerkin" or "stormer-verlet" alone. integrals: functions l(q, p) or l(q, p, t) whose integrals over the time the
+    result has as `integrals`, with h and "galerkin". jacobian, with h and t_eval: names of parameters, "q0", and "p0"
+    or "v0", whichever was given; the result's by.k [time, 2n, ...] then is the derivative of q and p at these times by
+    k, exact for the steps that were made. parameters: values of those of the system.
 
     A step that is refused ends the run: status -1, with the text of tvi_last_error in the message, and what was
     reached. Raises tvi.Error where there is no run at all, as for a method that does not serve the system, an error
@@ -373,7 +380,7 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
     h, error, tolerance = steps_of(system, t_end - t, h, error, tolerance, largest_step)
     times = _times(t_eval, t, t_end)
     method = method_to(tolerance, system, method, order)
-    if gradient:
+    if gradient or integrals:
         check_arguments(system, h is not None, v0, has_callbacks)
     q0, p0, v0 = start_of_one("q0 p0 v0", system, q0, p0, v0)
     it = Integrator(system, q0, p0, v=v0, t=t, method=method, **parameters)
@@ -394,8 +401,8 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
     way = {"h": h} if tolerance is None else {"tolerance": tolerance, "largest_step": largest_step}
     result = Result(it, way, h or math.nan, measured)
     result._callbacks = [one for one in several if one.callback]
-    if gradient:
-        it._record = result._record = Record(it)
+    if gradient or integrals:
+        it._record = result._record = Record(it, integrals)
     run = Run(it, result, way, t_end, progress)
     run.columns = columns
     if times is None or dense_output:
