@@ -335,7 +335,8 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
           error: float | None = None, tolerance: float | None = None, largest_step: float | None = None,
           method: "str | Method" = "galerkin", order: int = 16, t_eval: Array = None, events: Any = (),
           dense_output: bool = False, compiled: "bool | str | Compiled" = "auto", progress: "bool | Callable" = False,
-          gradient: bool = False, integrals: Any = (), jacobian: "str | list[str] | None" = None, **parameters: Any) -> Result:
+          gradient: bool = False, integrals: Any = (), jacobian: "str | list[str] | None" = None,
+          **parameters: Any) -> Result:
     """A run from t_span[0] to t_span[1], either way, from q0 [n], and p0 or v0 [n], one of them; 0: at rest.
 
     The step: h (of a rescaled system in s); or error, the wanted error of the state at the end, for which h is chosen
