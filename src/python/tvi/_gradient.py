@@ -72,7 +72,7 @@ def has_constant_mass(system: System) -> bool:
 def check_arguments(system: System, is_by_h: bool, v0: Any, callbacks: bool) -> None:
     """Refuses runs that have no gradient, before they are made."""
     if not is_by_h:
-        raise TypeError("gradient=True and integrals take h, with which runs are the same map: take run.h of a first run")
+        raise TypeError("gradient=True and integrals take h, and not what is chosen anew: take run.h of a first run")
     if callbacks:
         raise TypeError("gradient=True does not go with callbacks that change p: make a run to each of the events, "
                         "with a gradient of its own")
