@@ -717,6 +717,67 @@ class integrator
     std::shared_ptr<tvi_integrator> handle_;
 };
 
+/* ---- Gradients --------------------------------------------------------------------------------------------------- */
+
+/* What runs leave behind for gradients: plan.record = record.get(). */
+class record
+{
+  public:
+    /* The derivatives of a loss: by q, p and t at the start, [2n + 1], and by the parameters. */
+    struct gradient_of_loss {
+        std::vector<double> start, parameters;
+    };
+    explicit record(const integrator &of, std::size_t bytes = 0) : system_(of.system())
+    {
+        tvi_record *made = nullptr;
+        detail::check(tvi_record_create(&made, of.get(), bytes));
+        handle_.reset(made, tvi_record_free);
+    }
+    tvi_record *get() const noexcept { return handle_.get(); }
+    long steps() const { return tvi_record_counts(get(), nullptr, nullptr); }
+    int times() const
+    {
+        int count = 0;
+        (void)tvi_record_counts(get(), &count, nullptr);
+        return count;
+    }
+    int events() const
+    {
+        int count = 0;
+        (void)tvi_record_counts(get(), nullptr, &count);
+        return count;
+    }
+    std::size_t bytes() const { return tvi_record_bytes(get()); }
+    /* Adds a running integral of jet l(const jet *q, const jet *p, jet t). */
+    template <class Function> void integral(Function l)
+    {
+        detail::guarded<Function> guard(l);
+        const tvi_status status = tvi_record_integral(get(), detail::value_of<Function>, static_cast<void *>(&guard));
+        guard.rethrow();
+        detail::check(status);
+        integrals_++;
+    }
+    std::vector<double> integrals() const
+    {
+        std::vector<double> value(integrals_);
+        tvi_record_integrals(get(), value.data());
+        return value;
+    }
+    gradient_of_loss gradient(const tvi_loss &loss)
+    {
+        const std::size_t parameters = static_cast<std::size_t>(system_.parameters());
+        gradient_of_loss by = {std::vector<double>(2 * static_cast<std::size_t>(system_.dimension()) + 1),
+                               std::vector<double>(parameters)};
+        detail::check(tvi_gradient(get(), &loss, by.start.data(), by.parameters.data()));
+        return by;
+    }
+
+  private:
+    tvi::system system_; /* outlives the handle */
+    std::shared_ptr<tvi_record> handle_;
+    std::size_t integrals_ = 0;
+};
+
 /* ---- Ensembles --------------------------------------------------------------------------------------------------- */
 
 /* Many orbits of one system. t and status are [members], q and p [n][members], the member fastest; status gets this

@@ -400,6 +400,33 @@ static void errors_of_ensembles()
     expect("at an event", throws_seven([&] { crowd.integrate_events(0.1, 100, events, t, q, p, status, throwing); }));
 }
 
+/* A spring of k = 4: q = cos 2t, so that dq(1)/dk = -sin(2) / 4. */
+static void gradients()
+{
+    const tvi::potential spring(1, [](const jet *q, jet) { return 0.5 * jet_parameter(q[0], 0, 4) * pow(q[0], 2); });
+    tvi::integrator orbit(spring);
+    tvi::record record(orbit);
+    record.integral([](const jet *, const jet *p, jet) { return pow(p[0], 2); });
+    std::vector<double> q = {1}, p = {0}, end = {1, 0, 0}, by_integrals = {0};
+    double t = 0;
+    tvi_run_plan plan = {};
+    plan.h = 0.05, plan.has_t_end = true, plan.t_end = 1;
+    plan.record = record.get();
+    expect("a recorded run", orbit.run(plan, t, q, p) && record.steps() == 20 && record.times() == 0);
+    tvi_loss loss = {};
+    loss.end = end.data(), loss.integrals = by_integrals.data();
+    const tvi::record::gradient_of_loss by = record.gradient(loss);
+    expect("by the start", std::fabs(by.start[0] - std::cos(2.0)) < 1e-13 && by.start.size() == 3);
+    expect("by k", std::fabs(by.parameters[0] + std::sin(2.0) / 4) < 1e-13);
+    expect("an integral", std::fabs(record.integrals()[0] - (2 - std::sin(4.0) / 2)) < 1e-12);
+    expect("bytes", record.bytes() > 20 * 6 * sizeof(double) && record.events() == 0);
+    expect("a callable that throws",
+           throws_seven([&] { record.integral([](const jet *, const jet *, jet) -> jet { throw 7; }); }));
+    const tvi::record to(std::move(record));
+    expect("moved from",
+           throws([&] { static_cast<void>(record.gradient(loss)); }, TVI_EINVAL, "NULL") && to.steps() == 20);
+}
+
 /* Members of an object that was moved from throw, or return what nothing has. */
 static void moved_from()
 {
@@ -464,6 +491,7 @@ int main()
     plans();
     ensembles();
     errors_of_ensembles();
+    gradients();
     moved_from();
     powers();
     eigen();
