@@ -14,7 +14,8 @@ from ._jets import Jet, erf
 from ._library import Error, Interrupted, __version__
 from ._many import EnsembleResult, ensemble, lyapunov, megno
 from ._methods import Compiled, Method, compile, suggest_step, taylor_order, write_compiled
-from ._solve import Result, solve
+from ._result import Result
+from ._solve import solve
 from ._systems import System, constrained, force, hamiltonian, lagrangian, potential
 
 for _public in (Compiled, Ensemble, EnsembleResult, Error, Event, Found, Integrator, Interrupted, Jet, Method, Result,
