@@ -164,10 +164,10 @@ typedef struct {
     double largest_step;          /* no step to a tolerance is larger; 0: no limit */
     tvi_member_observer *at_step; /* called after each step of a member, with 1.. (INT_MAX from there on) */
     struct tvi_record *record;    /* what the run leaves behind for gradients (tvi_gradient.h); not in an ensemble */
-    /* All columns of D are moved by one system that keeps the history of its steps, two to four times cheaper than each
-     * by itself (docs/chaos.md). D is then the same to roundoff, and not bit for bit. It serves tvi_run with "galerkin"
-     * and, for constant masses, "stormer-verlet" and "taylor"; but no constrained system, no K = g (H + e), and no
-     * Lagrangian that is not separable (TVI_EUNSUPPORTED). */
+    /* Columns of D are moved several at once, by systems that keep the history of their steps, which is cheaper than
+     * each by itself (docs/chaos.md). D is then the same to roundoff, and not bit for bit. It serves tvi_run with
+     * "galerkin" and, for constant masses, "stormer-verlet" and "taylor"; but no constrained system, no K = g (H + e),
+     * and no Lagrangian that is not separable (TVI_EUNSUPPORTED). */
     bool columns_at_once;
     size_t size; /* sizeof(tvi_run_plan), or 0: that of the first version that had it */
 } tvi_run_plan;

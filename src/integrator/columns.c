@@ -1,8 +1,8 @@
-/* columns.c - Multiplies all columns of D by the Jacobian matrix of a step at once (columns.h). The lifted system has
- * the state and all tangent vectors (system/lift.c). Its steps follow one another, so that each is predicted from those
- * before it. The state in it is that of the integrator, with its low-order parts, at the start of each step: the
- * columns belong to the very orbit. Columns are not scaled: each is a subsystem of its own, whose passes are measured
- * by its own size.
+/* columns.c - Multiplies all columns of D by the Jacobian matrix of a step at once (columns.h), in groups of a few
+ * columns. The lifted system of a group has the state and its tangent vectors (system/lift.c). Its steps follow one
+ * another, so that each is predicted from those before it. The state in it is that of the integrator, with its
+ * low-order parts, at the start of each step: the columns belong to the very orbit. Columns are not scaled: each is a
+ * subsystem of its own, whose passes are measured by its own size.
  *
  * In the reversible form of a rescaled system a neighbouring orbit is at another time after a step in s. The lifted
  * column keeps this difference dt, whose equations are smooth, and a column of D is what is left of it at equal times:
@@ -13,20 +13,30 @@
 
 #include <stdlib.h>
 
-struct tvi_columns_at_once {
-    int count;
-    bool *moves; /* [count][parameters] tells which components of columns that belong to parameters may not be 0 */
+/* [columns] A group has at most so many. Each group makes the step of the state once more; the numbers of more columns
+ * leave the caches of a core. */
+#define AT_ONCE_GROUP 8 /* found: make columns */
+
+/* Successive columns of D. */
+typedef struct {
+    int first, count;
     tvi_system *lift;
     tvi_integrator *full, *part; /* make the lifted steps, and parts of them */
-    double *q, *p;               /* [(1 + count) n] a state of the lift, n that of the stepped system */
-    double *parameters;          /* [(1 + count) parameters] those of the lift */
-    long step_number;            /* the integrator's number of the step that `full` has made; 0: it has made none */
+} column_group;
+
+struct tvi_columns_at_once {
+    int count, group_count;
+    column_group *groups;
+    bool *moves;   /* [count][parameters] tells which components of columns that belong to parameters may not be 0 */
+    double *q, *p; /* [(1 + columns of a group) n] a state of a lift, n that of the stepped system */
+    double
+        *parameters;  /* [(1 + columns of a group) parameters] those of a lift; the first are those of the last step */
+    long step_number; /* the integrator's number of the step that the lifts have made; 0: they have made none */
     size_t bytes, counted_bytes; /* what it has, and what the integrator has counted of it */
 };
 
-tvi_status tvi_at_once_check(const tvi_integrator *it, int count)
+tvi_status tvi_at_once_check(const tvi_integrator *it)
 {
-    const int n = it->stepped->n, most = TVI_MAX_DIMENSION / n - 1;
     const tvi_descriptor *method = tvi_find_method(&it->options);
     const bool is_separable = it->stepped->form == TVI_SEPARABLE;
     const char *const unsupported =
@@ -41,70 +51,86 @@ tvi_status tvi_at_once_check(const tvi_integrator *it, int count)
         : !is_separable && !(method->supports->form_mask & TVI_SUPPORTS_FIELD)
             ? "this method for a Hamiltonian that is not separable: it serves \"galerkin\""
             : NULL;
-    if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "columns_at_once does not serve %s", unsupported);
-    return count <= most
-               ? TVI_OK
-               : jet_refuse(TVI_EUNSUPPORTED, "columns_at_once serves at most %d columns of n = %d in a run", most, n);
+    return unsupported ? jet_refuse(TVI_EUNSUPPORTED, "columns_at_once does not serve %s", unsupported) : TVI_OK;
 }
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
-static void free_lift(tvi_columns_at_once *at_once)
+static void free_lift(column_group *group)
 {
-    tvi_integrator_free(at_once->full);
-    tvi_integrator_free(at_once->part);
-    tvi_system_free(at_once->lift);
-    at_once->full = at_once->part = NULL;
-    at_once->lift = NULL;
+    tvi_integrator_free(group->full);
+    tvi_integrator_free(group->part);
+    tvi_system_free(group->lift);
+    group->full = group->part = NULL;
+    group->lift = NULL;
 }
 
 void tvi_at_once_free(tvi_columns_at_once *at_once)
 {
     if (!at_once) return;
-    free_lift(at_once);
+    for (int i = 0; i < at_once->group_count; i++) free_lift(&at_once->groups[i]);
+    free(at_once->groups);
     free(at_once->moves);
     free(at_once->q);
     free(at_once);
 }
 
+/* Allocates all but the lifts. */
 static tvi_status allocate(tvi_columns_at_once **out, const tvi_integrator *it, int count)
 {
     tvi_columns_at_once *at_once = *out = calloc(1, sizeof *at_once);
-    const size_t copies = 1 + (size_t)count, numbers = copies * (size_t)it->stepped->n,
-                 parameters = copies * (size_t)tvi_system_parameters(it->system);
+    const int n = it->stepped->n, P = tvi_system_parameters(it->system);
+    const size_t columns = (size_t)count, copies = 1 + (count < AT_ONCE_GROUP ? columns : AT_ONCE_GROUP);
+    const size_t numbers = copies * (size_t)n, parameters = copies * (size_t)P, groups = columns / AT_ONCE_GROUP + 1;
     if (!at_once) return TVI_ENOMEM;
     at_once->count = count;
-    at_once->moves = calloc(parameters + 1, sizeof *at_once->moves);
+    at_once->groups = calloc(groups, sizeof *at_once->groups);
+    at_once->moves = calloc(columns * (size_t)P + 1, sizeof *at_once->moves);
     at_once->q = calloc(2 * numbers + parameters, sizeof *at_once->q);
-    if (!at_once->moves || !at_once->q) return TVI_ENOMEM;
+    if (!at_once->groups || !at_once->moves || !at_once->q) return TVI_ENOMEM;
+    for (int first = 0; first < count; first += AT_ONCE_GROUP) {
+        const int left = count - first;
+        at_once->groups[at_once->group_count++] =
+            (column_group){.first = first, .count = left < AT_ONCE_GROUP ? left : AT_ONCE_GROUP};
+    }
     at_once->p = at_once->q + numbers;
     at_once->parameters = at_once->p + numbers;
-    at_once->bytes = sizeof *at_once + parameters + 1 + (2 * numbers + parameters) * sizeof *at_once->q;
+    at_once->bytes = sizeof *at_once + groups * sizeof *at_once->groups + columns * (size_t)P + 1 +
+                     (2 * numbers + parameters) * sizeof *at_once->q;
     return TVI_OK;
 }
 
 /* Provides a lift in which the columns of D move the parameters that they move, and those that earlier ones did. A lift
  * that does so stays. */
-static tvi_status provide_lift(tvi_columns_at_once *at_once, const tvi_integrator *it, const double D[])
+static tvi_status provide_lift(tvi_columns_at_once *at_once, column_group *group, const tvi_integrator *it,
+                               const double D[])
 {
     const int count = at_once->count, P = tvi_system_parameters(it->system);
-    bool is_new = !at_once->part;
-    for (int c = 0; c < count; c++)
+    bool *moves = at_once->moves + group->first * P, is_new = !group->part;
+    for (int c = 0; c < group->count; c++)
         for (int i = 0; i < P; i++) {
-            if (at_once->moves[c * P + i] || D[(2 * it->system->n + i) * count + c] == 0) continue;
-            at_once->moves[c * P + i] = is_new = true;
+            if (moves[c * P + i] || D[(2 * it->system->n + i) * count + group->first + c] == 0) continue;
+            moves[c * P + i] = is_new = true;
         }
     if (!is_new) return TVI_OK;
     tvi_options options = it->options;
     options.max_tail = -1;   /* The guard checks the integrator's own step only. */
     options.compiled = NULL; /* The generated code is that of the system itself. */
-    if (at_once->part) at_once->bytes -= at_once->full->stats.bytes + at_once->part->stats.bytes;
-    free_lift(at_once);
-    tvi_status status = tvi_system_create_columns_lift(&at_once->lift, it->stepped, count, at_once->moves);
-    if (status == TVI_OK) status = tvi_integrator_create(&at_once->full, at_once->lift, &options);
-    if (status == TVI_OK) status = tvi_integrator_create(&at_once->part, at_once->lift, &options);
-    if (status != TVI_OK) free_lift(at_once);
-    else at_once->bytes += at_once->full->stats.bytes + at_once->part->stats.bytes;
+    if (group->part) at_once->bytes -= group->full->stats.bytes + group->part->stats.bytes;
+    free_lift(group);
+    tvi_status status = tvi_system_create_columns_lift(&group->lift, it->stepped, group->count, moves);
+    if (status == TVI_OK) status = tvi_integrator_create(&group->full, group->lift, &options);
+    if (status == TVI_OK) status = tvi_integrator_create(&group->part, group->lift, &options);
+    if (status != TVI_OK) free_lift(group);
+    else at_once->bytes += group->full->stats.bytes + group->part->stats.bytes;
+    return jet_explain_out_of_memory(status);
+}
+
+static tvi_status provide_lifts(tvi_columns_at_once *at_once, const tvi_integrator *it, const double D[])
+{
+    tvi_status status = TVI_OK;
+    for (int i = 0; i < at_once->group_count && status == TVI_OK; i++)
+        status = provide_lift(at_once, &at_once->groups[i], it, D);
     return status;
 }
 
@@ -114,7 +140,7 @@ tvi_status tvi_at_once_provide(tvi_columns_at_once **at_once, tvi_integrator *it
     const bool fits = *at_once && (*at_once)->count == count;
     if (!fits) tvi_at_once_free(*at_once);
     tvi_status status = fits ? TVI_OK : allocate(at_once, it, count);
-    if (status == TVI_OK) status = provide_lift(*at_once, it, D);
+    if (status == TVI_OK) status = provide_lifts(*at_once, it, D);
     if (status == TVI_OK) {
         it->stats.bytes += (*at_once)->counted_bytes = (*at_once)->bytes;
         return TVI_OK;
@@ -144,18 +170,19 @@ static void take_state(const tvi_columns_at_once *at_once, const tvi_integrator 
 
 /* Loads the state at the start of the integrator's last step, and the columns D there. The history of the lift begins
  * anew. */
-static void load(const tvi_columns_at_once *at_once, tvi_integrator *lift, const tvi_integrator *it, const double D[],
-                 const double parameters[])
+static void load(const tvi_columns_at_once *at_once, const column_group *group, tvi_integrator *lift,
+                 const tvi_integrator *it, const double D[], const double parameters[])
 {
     const int n = it->stepped->n, rows = it->system->n, count = at_once->count, P = tvi_system_parameters(it->system);
+    const double *columns = D + group->first;
     memcpy(at_once->q, it->last_step.start.q, (size_t)n * sizeof *at_once->q);
     memcpy(at_once->p, it->last_step.start.p, (size_t)n * sizeof *at_once->p);
     memcpy(at_once->parameters, parameters, (size_t)P * sizeof *parameters);
-    for (int c = 0; c < count; c++) {
+    for (int c = 0; c < group->count; c++) {
         double *dq = at_once->q + (1 + c) * n, *dp = at_once->p + (1 + c) * n;
-        for (int i = 0; i < n; i++) dq[i] = i < rows ? D[i * count + c] : 0;
-        for (int i = 0; i < n; i++) dp[i] = i < rows ? D[(rows + i) * count + c] : 0;
-        for (int i = 0; i < P; i++) at_once->parameters[(1 + c) * P + i] = D[(2 * rows + i) * count + c];
+        for (int i = 0; i < n; i++) dq[i] = i < rows ? columns[i * count + c] : 0;
+        for (int i = 0; i < n; i++) dp[i] = i < rows ? columns[(rows + i) * count + c] : 0;
+        for (int i = 0; i < P; i++) at_once->parameters[(1 + c) * P + i] = columns[(2 * rows + i) * count + c];
     }
     tvi_integrator_load_parameters(lift, at_once->parameters, 1);
     tvi_integrator_reset(lift);
@@ -186,16 +213,17 @@ static void project_to_equal_time(const tvi_integrator *lift, const double block
 }
 
 /* Writes the columns of the lifted state to D. */
-static tvi_status store(const tvi_columns_at_once *at_once, tvi_integrator *lift, const tvi_integrator *it, double D[])
+static tvi_status store(const tvi_columns_at_once *at_once, const column_group *group, tvi_integrator *lift,
+                        const tvi_integrator *it, double D[])
 {
     const int n = it->stepped->n, rows = it->system->n, count = at_once->count;
     if (tvi_is_rescaled(it) && !tvi_integrator_compute_field(lift, lift->state.q, lift->state.p))
         return jet_refuse(TVI_ENONFINITE, "the columns of D at once: the field has no value at the end of the step");
-    for (int c = 0; c < count; c++) {
-        double *dq = at_once->q + (1 + c) * n, *dp = at_once->p + (1 + c) * n;
+    for (int c = 0; c < group->count; c++) {
+        double *dq = at_once->q + (1 + c) * n, *dp = at_once->p + (1 + c) * n, *column = D + group->first + c;
         if (tvi_is_rescaled(it)) project_to_equal_time(lift, lift->guard.field_block, n, dq, dp);
-        for (int i = 0; i < rows; i++) D[i * count + c] = dq[i];
-        for (int i = 0; i < rows; i++) D[(rows + i) * count + c] = dp[i];
+        for (int i = 0; i < rows; i++) column[i * count] = dq[i];
+        for (int i = 0; i < rows; i++) column[(rows + i) * count] = dp[i];
     }
     return TVI_OK;
 }
@@ -210,32 +238,40 @@ tvi_status tvi_at_once_multiply(tvi_columns_at_once *at_once, const tvi_integrat
                                at_once->step_number == it->stats.steps - 1 &&
                                memcmp(at_once->parameters, it->parameters, parameter_bytes) == 0;
     at_once->step_number = 0;
-    tvi_status status = keeps_history ? TVI_OK : provide_lift(at_once, it, start);
-    if (status != TVI_OK) return jet_explain_out_of_memory(status);
-    if (keeps_history) take_state(at_once, at_once->full, it);
-    else load(at_once, at_once->full, it, start, it->parameters);
-    status = make_lifted_step(at_once, at_once->full, it, it->last_step.h);
-    if (status == TVI_OK) status = store(at_once, at_once->full, it, product);
+    tvi_status status = keeps_history ? TVI_OK : provide_lifts(at_once, it, start);
+    for (int i = 0; i < at_once->group_count && status == TVI_OK; i++) {
+        const column_group *group = &at_once->groups[i];
+        if (keeps_history) take_state(at_once, group->full, it);
+        else load(at_once, group, group->full, it, start, it->parameters);
+        status = make_lifted_step(at_once, group->full, it, it->last_step.h);
+        if (status == TVI_OK) status = store(at_once, group, group->full, it, product);
+    }
     if (status == TVI_OK) at_once->step_number = it->stats.steps;
     return status;
+}
+
+/* Copies the state and the history at the start of the last full step, as in inside_step.c. */
+static void copy_start_of_step(const column_group *group)
+{
+    const tvi_step_history *full = &group->full->history, *part = &group->part->history;
+    tvi_integrator_load_parameters(group->part, group->full->parameters, 1);
+    tvi_arena_copy_history(part->now, full->before, part->copied_bytes);
+    tvi_arena_copy_history(part->now + part->copied_bytes, full->now + part->copied_bytes,
+                           part->bytes - part->copied_bytes);
 }
 
 tvi_status tvi_at_once_multiply_by_part(tvi_columns_at_once *at_once, const tvi_integrator *it, const double start[],
                                         const double parameters[], double offset, double product[])
 {
     const bool has_step = at_once->step_number == it->stats.steps;
-    tvi_status status = has_step ? TVI_OK : provide_lift(at_once, it, start);
-    if (status != TVI_OK) return jet_explain_out_of_memory(status);
-    tvi_integrator *part = at_once->part;
-    const tvi_integrator *full = at_once->full;
-    const size_t copied = part->history.copied_bytes;
-    if (has_step) {
-        /* What steps have learned after the start of the full step is not in the buffers that a step from it reads. */
-        tvi_integrator_load_parameters(part, full->parameters, 1);
-        tvi_arena_copy_history(part->history.now, full->history.before, copied);
-        tvi_arena_copy_history(part->history.now + copied, full->history.now + copied, part->history.bytes - copied);
-        take_state(at_once, part, it);
-    } else load(at_once, part, it, start, parameters);
-    status = make_lifted_step(at_once, part, it, offset);
-    return status == TVI_OK ? store(at_once, part, it, product) : status;
+    tvi_status status = has_step ? TVI_OK : provide_lifts(at_once, it, start);
+    for (int i = 0; i < at_once->group_count && status == TVI_OK; i++) {
+        const column_group *group = &at_once->groups[i];
+        if (has_step) copy_start_of_step(group);
+        if (has_step) take_state(at_once, group->part, it);
+        else load(at_once, group, group->part, it, start, parameters);
+        status = make_lifted_step(at_once, group->part, it, offset);
+        if (status == TVI_OK) status = store(at_once, group, group->part, it, product);
+    }
+    return status;
 }

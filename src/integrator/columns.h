@@ -1,5 +1,5 @@
-/* columns.h - Multiplies all columns of D by the Jacobian matrix of a step at once, by one step of one lifted system,
- * which keeps the history of its steps (docs/method.md section 10). tangent.c calls it. */
+/* columns.h - Multiplies all columns of D by the Jacobian matrix of a step at once, by steps of lifted systems that
+ * keep the history of their steps (docs/method.md section 10). tangent.c calls it. */
 #ifndef TVI_INTEGRATOR_COLUMNS_H
 #define TVI_INTEGRATOR_COLUMNS_H
 
@@ -7,8 +7,8 @@
 
 typedef struct tvi_columns_at_once tvi_columns_at_once;
 
-/* Refuses a system, a method or a number of columns that cannot be moved at once. */
-TVI_NODISCARD tvi_status tvi_at_once_check(const tvi_integrator *integrator, int count);
+/* Refuses a system or a method whose columns cannot be moved at once. */
+TVI_NODISCARD tvi_status tvi_at_once_check(const tvi_integrator *integrator);
 /* Gives *at_once memory for D [2n + parameters][count], and counts it in the integrator's. Columns of the same number
  * that move no other parameters keep their memory and their history. On failure *at_once is NULL. */
 TVI_NODISCARD tvi_status tvi_at_once_provide(tvi_columns_at_once **at_once, tvi_integrator *integrator, int count,

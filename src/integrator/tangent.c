@@ -382,7 +382,7 @@ bool tvi_columns_match_last_step_end(const tvi_integrator *it, const tvi_tangent
 tvi_status tvi_columns_allocate(tvi_integrator *it, const tvi_tangent_columns *columns)
 {
     if (!columns->elements) return TVI_OK;
-    tvi_status status = columns->are_at_once ? tvi_at_once_check(it, columns->count) : TVI_OK;
+    tvi_status status = columns->are_at_once ? tvi_at_once_check(it) : TVI_OK;
     if (status == TVI_OK) status = tvi_integrator_allocate_tangents(it, columns->count);
     if (status == TVI_OK && columns->are_at_once)
         status = tvi_at_once_provide(&it->tangent->at_once, it, columns->count, columns->elements);

@@ -12,7 +12,8 @@ typedef struct {
     double *elements;
     int count;
     size_t element_spacing;
-    bool are_at_once; /* They are moved by one lifted system (columns.h), and not each by itself; then spacing is 1. */
+    /* They are moved several at once (columns.h), and not each by itself; element_spacing is then 1. */
+    bool are_at_once;
 } tvi_tangent_columns;
 
 /* The tangent vectors of a run before and after its last step. Points inside the step are computed from those before

@@ -424,14 +424,12 @@ START_TEST(refusals)
 }
 END_TEST
 
-/* In plans, in ensembles, and of too many columns. */
+/* In plans and in ensembles. */
 START_TEST(refused_plans)
 {
     columns_run run;
     columns_open(&run, &columns_problems[COLUMNS_KEPLER], NULL, 0);
     tvi_run_plan plan = columns_plan(&run, true, 1);
-    plan.columns = TVI_MAX_DIMENSION;
-    refused("at most 4999 columns of n = 2", tvi_run(run.it, &plan, &run.t, run.q, run.p), TVI_EUNSUPPORTED);
     plan.D = NULL, plan.columns = 0;
     refused("columns_at_once is given without D", tvi_run(run.it, &plan, &run.t, run.q, run.p), TVI_EINVAL);
     tvi_ensemble *ensemble;
