@@ -12,3 +12,13 @@ gradient: need-bench
 
 $(GRADIENT)/gradient: $(GRADIENT_OBJECTS) $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
 	$(call SAY,LD $@)$(CC) $(CFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)
+
+# what columns of D cost at once: docs/chaos.md
+columns: need-bench
+	@$(MAKE) --no-print-directory -s $(GRADIENT)/columns
+	OPENBLAS_NUM_THREADS=1 $(GRADIENT)/columns $(GRADIENT)
+	@cat $(GRADIENT)/columns.md $(GRADIENT)/jacobian.md
+.PHONY: columns
+
+$(GRADIENT)/columns: $(patsubst %/gradient.o,%/columns.o,$(GRADIENT_OBJECTS)) $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
+	$(call SAY,LD $@)$(CC) $(CFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)
