@@ -65,6 +65,14 @@ class Columns:
         return Derivatives(found)
 
 
+def require_steps(names: Any, h: Any, t_eval: Any) -> None:
+    """Refuses a jacobian without h or times."""
+    if names is not None and h is None:
+        raise TypeError("jacobian is that of the steps that are made, and needs h: take run.h of a first run")
+    if names is not None and t_eval is None:
+        raise TypeError("jacobian is that of the states at t_eval: give the times")
+
+
 def _checked(names: Any, system: Any, by_velocities: bool) -> list[str]:
     names = [names] if isinstance(names, str) else list(names)
     if not names:

@@ -14,7 +14,7 @@ from ._arrays import Array, copied, fraction, numbers, step_size
 from ._events import Recorded, events_of, found
 from ._gradient import Record, check_arguments
 from ._integrator import Integrator
-from ._jacobian import Columns
+from ._jacobian import Columns, require_steps
 from ._library import Error, Interrupted
 from ._methods import Compiled, Method, compile, measured_step, method_to
 from ._recorder import ROWS, Progress, Recorder
@@ -202,10 +202,7 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
     is_default = h is None and error is None and tolerance is None
     several = events_of(events, may_call=True)
     has_callbacks = any(one.callback for one in several)
-    if jacobian is not None and h is None:
-        raise TypeError("jacobian is that of the steps that are made, and needs h: take run.h of a first run")
-    if jacobian is not None and t_eval is None:
-        raise TypeError("jacobian is that of the states at t_eval: give the times")
+    require_steps(jacobian, h, t_eval)
     if jacobian is not None and has_callbacks:
         raise TypeError("jacobian does not go with callbacks that change p")
     if h is None and tolerance is None and has_callbacks:
