@@ -83,7 +83,7 @@ $(GENERATED): WRAP = -Wl,--wrap=tvi_integrator_create,--wrap=tvi_integrator_free
 # the same objects with a library of another kind: without devices for speed (check-plain), or one that counts the lines
 # which are run (check-coverage)
 PLAIN_FOLDERS   := ad library generating rescaled ensemble
-COVERED_FOLDERS := ad library generating events rescaled parameters driven compiled ensemble constraints
+COVERED_FOLDERS := ad library generating events rescaled parameters driven compiled ensemble constraints gradient
 OTHER_PROGRAMS  := $(PLAIN_FOLDERS:%=$(BUILD)/plain/check/%) $(COVERED_FOLDERS:%=$(BUILD)/cov/check/%)
 define other_program
 $(BUILD)/$(1)/check/$(2): $(call objects_of,$(wildcard tests/$(2)/*.c)) $(BUILD)/check/helpers.a $(BUILD)/$(1)/libtvi.a
@@ -108,13 +108,14 @@ $(FOLDERS:%=do-%): do-%: $(BUILD)/check/%
 # The suites that depend on vectors and rounding, with narrower instruction sets than the one that make check takes.
 check-isas: ; $(REPORT) "the instruction sets $(NARROWER)" $(DO)
 NARROWER := base $(filter avx2,$(ISAS))
-do-isas: $(addprefix $(BUILD)/check/,ad library events generating ensemble invariance constraints)
+do-isas: $(addprefix $(BUILD)/check/,ad library events generating ensemble invariance constraints gradient)
 	for set in $(NARROWER); do export TVI_ISA=$$set; \
 	    tests/suites.sh 'identity,series,tangent,adjoint,elementary' $(BUILD)/check/ad && \
 	    tests/suites.sh 'closed forms,structure,stepping,products,linear,sums' $(BUILD)/check/library && \
 	    tests/suites.sh rounding $(BUILD)/check/invariance && \
 	    tests/suites.sh '' $(BUILD)/check/events && \
 	    tests/suites.sh steps,runs $(BUILD)/check/constraints && \
+	    tests/suites.sh '' $(BUILD)/check/gradient && \
 	    tests/suites.sh 'bits/bits,members' $(BUILD)/check/ensemble && \
 	    tests/suites.sh 'forms,orders,points,convergence,dense,galerkin,references' $(BUILD)/check/generating || \
 	    exit 1; done
@@ -194,7 +195,7 @@ IN_ONE_GO  := CK_FORK=no tests/suites.sh
 check-sanitizers:
 	$(REPORT) "address, leak and undefined-behaviour sanitizers" $(LOG) \
 	    $(MAKE) -s --no-print-directory do-sanitizers BUILD=$(BUILD)/sanitize CFLAGS='$(SANITIZE)'
-do-sanitizers: $(addprefix $(BUILD)/check/,library ad generating ensemble bodies constraints fuzz fuzz_states fuzz_bodies) $(BUILD)/libtvi.so
+do-sanitizers: $(addprefix $(BUILD)/check/,library ad generating ensemble bodies constraints gradient fuzz fuzz_states fuzz_bodies) $(BUILD)/libtvi.so
 	$(IN_ONE_GO) 'input,faults,stepping,closed forms,arena' $(BUILD)/check/library
 	$(IN_ONE_GO) 'record,domain,tape,hash,series,identity,gradient' $(BUILD)/check/ad
 	$(IN_ONE_GO) 'forms,serves,statements,states,fingerprints' $(BUILD)/check/generating
@@ -203,6 +204,7 @@ do-sanitizers: $(addprefix $(BUILD)/check/,library ad generating ensemble bodies
 	$(BUILD)/check/fuzz_states 1 250000
 	$(IN_ONE_GO) 'refused,elements,places,sums' $(BUILD)/check/bodies
 	$(IN_ONE_GO) 'statement,states,starts,wrong bodies,steps/kept,runs' $(BUILD)/check/constraints
+	$(IN_ONE_GO) 'gradient,integrals' $(BUILD)/check/gradient
 	$(BUILD)/check/fuzz_bodies 1 1000000
 	$(PYTHON_SANITIZED)
 

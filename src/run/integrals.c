@@ -127,8 +127,8 @@ tvi_status tvi_integrals_cut_step(tvi_record *record, const tvi_integrator *it, 
     tvi_integrals_drop_step(record);
     double *x = offset != 0 ? malloc((2 * n + 1) * sizeof *x) : NULL;
     if (!x) return offset != 0 ? jet_explain_out_of_memory(TVI_ENOMEM) : TVI_OK;
-    memcpy(again->history.now, it->history.before, copied);
-    memcpy(again->history.now + copied, it->history.now + copied, it->history.bytes - copied);
+    tvi_arena_copy_history(again->history.now, it->history.before, copied);
+    tvi_arena_copy_history(again->history.now + copied, it->history.now + copied, it->history.bytes - copied);
     tvi_integrator_copy_state(again, &x[2 * n], x, x + n);
     tvi_status status = tvi_step(again, offset, &x[2 * n], x, x + n);
     if (status == TVI_OK) status = add(record, again);

@@ -188,8 +188,8 @@ static tvi_status add_checkpoint(tvi_record *record, const tvi_integrator *it)
         grow(record, (void **)&record->checkpoints, &record->counts.checkpoints, sizeof *record->checkpoints);
     char *history = status == TVI_OK ? take(record, bytes) : NULL;
     if (!history) return TVI_ENOMEM;
-    memcpy(history, it->history.before, copied);
-    memcpy(history + copied, it->history.now + copied, bytes - copied);
+    tvi_arena_copy_history(history, it->history.before, copied);
+    tvi_arena_copy_history(history + copied, it->history.now + copied, bytes - copied);
     record->checkpoints[record->counts.checkpoints.count++] = (tvi_checkpoint){record->step_count, history};
     return TVI_OK;
 }
