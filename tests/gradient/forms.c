@@ -21,7 +21,7 @@ static jet double_pendulum(const jet q[], const jet v[], jet t, void *ctx)
 
 static tvi_system *make_double_pendulum(tvi_system **base)
 {
-    tvi_system *out;
+    tvi_system *out = NULL;
     *base = NULL;
     const tvi_status status = tvi_system_lagrangian(&out, 2, double_pendulum, NULL);
     return made(status, out);
@@ -50,7 +50,7 @@ static void drive(const jet q[], const jet v[], jet t, jet force[], void *ctx)
 
 static tvi_system *make_driven_lagrangian(tvi_system **base)
 {
-    tvi_system *out;
+    tvi_system *out = NULL;
     tvi_status status = tvi_system_lagrangian(base, 1, bent, NULL);
     if (status == TVI_OK) status = tvi_system_driven(&out, *base, drive, NULL);
     return made(status, out);
@@ -70,7 +70,7 @@ static void shaken(const jet q[], jet t, jet force[], void *ctx)
 
 static tvi_system *make_shaken(tvi_system **base)
 {
-    tvi_system *out;
+    tvi_system *out = NULL;
     static const double mass[] = {1, 2.5};
     *base = NULL;
     const tvi_status status = tvi_system_force(&out, 2, mass, shaken, NULL);
@@ -97,7 +97,7 @@ static jet distance(const jet q[], const jet p[], jet t, void *ctx)
 
 static tvi_system *make_K(tvi_system **base)
 {
-    tvi_system *out;
+    tvi_system *out = NULL;
     tvi_status status = tvi_system_potential(base, 2, NULL, kepler, NULL);
     if (status == TVI_OK) status = tvi_system_rescaled(&out, *base, distance, NULL);
     return made(status, out);

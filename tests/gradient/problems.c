@@ -20,7 +20,7 @@ static tvi_system *made(tvi_status status, tvi_system *system)
 
 static tvi_system *make_kepler(tvi_system **base)
 {
-    tvi_system *out;
+    tvi_system *out = NULL;
     *base = NULL;
     const tvi_status status = tvi_system_potential(&out, 2, NULL, kepler, NULL);
     return made(status, out);
@@ -52,7 +52,7 @@ static void bodies(const jet q[], jet t, jet force[], void *ctx)
 
 static tvi_system *make_bodies(tvi_system **base)
 {
-    tvi_system *out;
+    tvi_system *out = NULL;
     *base = NULL;
     const tvi_status status = tvi_system_force(&out, BODIES * AXES, NULL, bodies, NULL);
     return made(status, out);
@@ -86,7 +86,7 @@ static jet chain(const jet q[], jet t, void *ctx)
 
 static tvi_system *make_chain(tvi_system **base)
 {
-    tvi_system *out;
+    tvi_system *out = NULL;
     *base = NULL;
     const tvi_status status = tvi_system_potential(&out, MASSES, NULL, chain, NULL);
     return made(status, out);
@@ -108,7 +108,7 @@ static jet magnetic(const jet q[], const jet p[], jet t, void *ctx)
 
 static tvi_system *make_magnetic(tvi_system **base)
 {
-    tvi_system *out;
+    tvi_system *out = NULL;
     *base = NULL;
     const tvi_status status = tvi_system_hamiltonian(&out, 2, magnetic, NULL);
     return made(status, out);
@@ -136,7 +136,7 @@ static void drive(const jet q[], const jet v[], jet t, jet force[], void *ctx)
 
 static tvi_system *make_driven(tvi_system **base)
 {
-    tvi_system *out;
+    tvi_system *out = NULL;
     tvi_status status = tvi_system_potential(base, 1, NULL, pendulum, NULL);
     if (status == TVI_OK) status = tvi_system_driven(&out, *base, drive, NULL);
     return made(status, out);
@@ -152,7 +152,7 @@ static jet distance(const jet q[], const jet p[], jet t, void *ctx)
 
 static tvi_system *make_reversible(tvi_system **base)
 {
-    tvi_system *out;
+    tvi_system *out = NULL;
     tvi_status status = tvi_system_potential(base, 2, NULL, kepler, NULL);
     if (status == TVI_OK) status = tvi_system_rescaled_reversible(&out, *base, distance, NULL);
     return made(status, out);
@@ -168,7 +168,7 @@ static jet henon_heiles(const jet q[], jet t, void *ctx)
 
 static tvi_system *make_chaotic(tvi_system **base)
 {
-    tvi_system *out;
+    tvi_system *out = NULL;
     *base = NULL;
     const tvi_status status = tvi_system_potential(&out, 2, NULL, henon_heiles, NULL);
     return made(status, out);
