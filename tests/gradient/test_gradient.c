@@ -467,6 +467,7 @@ Suite *suite_gradient(void)
     tcase_add_loop_test(c, ends, 0, GRADIENT_PROBLEMS);
     tcase_add_loop_test(c, stormer_verlet, 0, 4);
     suite_add_tcase(suite, c);
+    suite_add_tcase(suite, tcase_exact());
     c = tcase_create("told");
     tcase_add_loop_test(c, times, 0, GRADIENT_PROBLEMS);
     tcase_add_loop_test(c, events, 0, GRADIENT_PROBLEMS);
