@@ -107,11 +107,12 @@ class Lifetimes(unittest.TestCase):
         self.assertLess(resident() - before, 6e6, "bytes for 10,000 systems")
 
     def test_leak_is_seen(self):
-        """The bound above is below what systems that stay would take."""
+        """The bound above is below what as many systems that stay would take, also where memory that tests before have
+        freed serves some of them."""
         before, kept = resident(), []
-        for _ in range(1000):
+        for _ in range(5000):
             kept.append(kepler())
-        self.assertGreater(resident() - before, 1.5 * 6e6 / 5)
+        self.assertGreater(resident() - before, 6e6)
 
     def test_threads(self):
         """Eight threads on one system, each with its own integrator, and systems that are made beside them."""
