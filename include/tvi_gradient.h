@@ -14,7 +14,7 @@ extern "C" {
 
 /* What runs leave behind for gradients: a run with `record` in its plan (tvi_runs.h) writes it. A run that begins where
  * the one before ended, with the same parameters, goes on with the record; any other one begins it anew. One thread
- * uses a record at a time, and the system outlives it. */
+ * uses a record at a time, and the system outlives it. The integrator may run compiled code; the way back does not. */
 typedef struct tvi_record tvi_record;
 
 /* Creates a record for runs of this integrator, or of others with its system and options. It keeps the state of each

@@ -2,6 +2,7 @@
  * integrator's history where there is none for more, and makes the steps from such a copy again when their states are
  * wanted. */
 #include "run/record.h"
+#include "method/fingerprint.h"
 #include "system/refuse.h"
 
 #include <stdlib.h>
@@ -154,7 +155,8 @@ static bool has_parameters_of(const tvi_record *record, const tvi_integrator *it
 tvi_status tvi_record_begin_run(tvi_record *record, const tvi_integrator *it)
 {
     const tvi_integrator *again = record->again;
-    if (it->system != again->system || memcmp(&it->options, &again->options, sizeof it->options) != 0)
+    if (it->system != again->system || it->options.compiled != again->options.compiled ||
+        tvi_options_fingerprint(&it->options) != tvi_options_fingerprint(&again->options))
         return jet_refuse(TVI_EINVAL, "the record was created for another system or other options");
     const size_t n = (size_t)it->system->n;
     const bool has_begun = record->step_count > 0 || record->counts.told.count > 0;
