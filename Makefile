@@ -31,7 +31,7 @@
 # make peers REBOUND=DIR HEYOKA=DIR   error against time beside REBOUND and heyoka, which you have built; either may be
 #                 missing: the table of docs/performance.md and the picture of README.md, some minutes
 # make gradient   the gradient of a run beside the run, and beside tangent columns: the tables of docs/fits.md
-# make constraints   steps on constraints beside steps in minimal coordinates: the table of docs/constraints.md
+# make constraints   steps on constraints beside minimal coordinates and other methods: docs/constraints.md, six minutes
 # make devices    what each device for speed gives (docs/adding.md), ten minutes; PLAIN=1: a library without any
 # make compare-with COMMIT=hash   times and instructions of steps beside that commit's, row by row, and of ensembles
 #                 beside integrators, five minutes; ROWS=pattern for some rows

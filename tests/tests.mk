@@ -265,7 +265,7 @@ do-warnings-clang: $(filter-out $(NO_CLANG) $(SETS),$(OBJECTS) $(SET_PIECES) $(T
 
 # The programs of the bench are linked, some of them with functions of the library replaced by name. None is run.
 BENCH_PROGRAMS = $(SWEEP_PROGRAMS) $(SCENE_PROGRAMS) $(EXPERIMENT_PROGRAMS) $(PERFORMANCE_PROGRAMS) $(ADAPTIVE)/adaptive \
-                 $(LONGRUN)/longrun $(CONSTRAINTS)/constraints $(MAPS)/maps $(STABILITY)/break $(COMPARE)/tree/compare
+                 $(LONGRUN)/longrun $(CONSTRAINTS_PROGRAMS) $(MAPS)/maps $(STABILITY)/break $(COMPARE)/tree/compare
 check-bench: ; $(REPORT) "the programs of the bench are built" $(DO)
 do-bench: ; $(MAKE) -s --no-print-directory $(JOBS) $(BENCH_PROGRAMS)
 
