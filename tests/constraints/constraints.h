@@ -16,6 +16,7 @@ Suite *suite_joints(void);
 Suite *suite_rigid(void);
 Suite *suite_linkages(void);
 Suite *suite_wrong_bodies(void);
+Suite *suite_spark_quad(void); /* gcc only: __float128 */
 
 enum { MOST_N = 4, MOST_M = 2 };
 
