@@ -17,6 +17,7 @@ Suite *suite_rigid(void);
 Suite *suite_linkages(void);
 Suite *suite_wrong_bodies(void);
 Suite *suite_spark_quad(void); /* gcc only: __float128 */
+Suite *suite_andrews_quad(void);
 
 enum { MOST_N = 4, MOST_M = 2 };
 
