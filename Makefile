@@ -31,7 +31,7 @@
 # make peers REBOUND=DIR HEYOKA=DIR   error against time beside REBOUND and heyoka, which you have built; either may be
 #                 missing: the table of docs/performance.md and the picture of README.md, some minutes
 # make gradient   the gradient of a run beside the run, and beside tangent columns: the tables of docs/fits.md
-# make constraints   steps on constraints beside minimal coordinates and other methods: docs/constraints.md, six minutes
+# make constraints   steps on constraints beside minimal coordinates and other methods: docs/constraints.md, 8 minutes
 # make devices    what each device for speed gives (docs/adding.md), ten minutes; PLAIN=1: a library without any
 # make compare-with COMMIT=hash   times and instructions of steps beside that commit's, row by row, and of ensembles
 #                 beside integrators, five minutes; ROWS=pattern for some rows
@@ -42,7 +42,7 @@
 # make order-doubling   the table and the picture of docs/order-doubling.md
 # make stability  where methods break: the tables and pictures of docs/stability.md, four minutes
 # make guard      the steps that are refused: its table in docs/adaptive.md alone, a minute and a half
-# make longrun    the table and the picture of docs/roundoff.md, twenty minutes of two cores; MINUTES=n for less
+# make longrun    the table and the picture of docs/roundoff.md, 25 minutes of two cores; MINUTES=n for less
 # make verify     the tables of the documents made anew and compared, times excepted
 # make docs-tables   all tables and pictures of the documents anew, an hour; those of one target: make performance-docs,
 #                 choose-docs, bench-docs, peers-docs, tails-docs, suggest-docs, stability-docs, guard-docs, longrun-docs,

@@ -55,6 +55,15 @@ static jet scale(const jet q[], const jet p[], jet t, void *ctx) { return hard_k
 #define SPRING     .scene = &scene_spring, .title = "elastic pendulum", .form = "potential", .has_momentum = true
 #define DOUBLE     .scene = &scene_double_pendulum, .title = "double pendulum", .form = "Lagrangian"
 
+/* Constraints; "constrained" is the scene of all of them. */
+#define ON(system, title_, form_, h_, steps_)                                                                          \
+    .scene = &system.scene, .constraints = &system, .title = title_, .form = form_, .h = h_, .steps = steps_
+#define ROD(steps_) ON(longrun_pendulum, "pendulum on a rod", "constraints", 0.1, steps_)
+#define RODS        ON(longrun_double_pendulum, "double pendulum on rods", "constraints", 0.015625, 3e5)
+#define WATER       ON(longrun_water, "water", "constraints", 0.2, 1e5), .has_momentum = true
+#define EULER_TOP   ON(longrun_euler_top, "Euler's top", "rigid body", 0.2, 1e5), .has_momentum = true
+#define HEAVY_TOP   ON(longrun_heavy_top, "heavy top", "rigid body", 0.05, 1e5), .has_momentum = true
+
 #define RESCALED .scene = &hard_kepler_90.scene, .title = "Kepler, e = 0.9", .form = "rescaled", .has_momentum = true
 
 /* Unless it says otherwise a row has compensated sums and must hold. */
@@ -68,12 +77,20 @@ const longrun_line longrun_lines[] = {
     {SPRING, GALERKIN, .h = 0.1, .steps = 1e6, .orbits = 128},
     {DOUBLE, GALERKIN, .h = 0.015625, .steps = 1e6, .orbits = 128},
     {RESCALED, GALERKIN, .scale = scale, .h = 0.83, .steps = 1e5, .orbits = 128, .rms_most = 1e-12},
+    {ROD(1e6), GALERKIN, .orbits = 64},
+    {RODS, GALERKIN, .orbits = 64},
+    {WATER, GALERKIN, .orbits = 64},
+    {EULER_TOP, GALERKIN, .orbits = 64},
+    {HEAVY_TOP, GALERKIN, .orbits = 64},
     {KEPLER, GALERKIN, .h = 0.1, .sums = LONGRUN_ROUNDED, .orbits = 24, .duty = {LONGRUN_FAILS, LONGRUN_SHOWN}},
     {SOLAR(250, CENTURIES / 250), GALERKIN, .sums = LONGRUN_ROUNDED, .orbits = 32, .duty = {LONGRUN_FAILS}},
     {SOLAR(400, CENTURIES / 400), GALERKIN, .sums = LONGRUN_ROUNDED, .orbits = 32, .duty = {LONGRUN_FAILS}},
     {SOLAR(100, CENTURIES / 100), GALERKIN, .sums = LONGRUN_PLAIN, .orbits = 64, .duty = {LONGRUN_FAILS}},
     {SLOW, GALERKIN, .h = 0.7, .duty = {LONGRUN_SHOWN}},
     {SLOW, GALERKIN, .h = 0.7, .sums = LONGRUN_SOONER, .duty = {LONGRUN_SHOWN, LONGRUN_FAILS}},
+    {ROD(3e5), GALERKIN, .sums = LONGRUN_NEAREST, .orbits = 32, .duty = {LONGRUN_FAILS}},
+    {WATER, GALERKIN, .sums = LONGRUN_NEAREST, .orbits = 32, .duty = {LONGRUN_FAILS, LONGRUN_SHOWN}},
+    {ROD(3e5), GALERKIN, .sums = LONGRUN_PLAIN, .orbits = 32, .duty = {LONGRUN_FAILS}},
     {SLOW_SOLAR, GALERKIN, .duty = {LONGRUN_SHOWN}},
     {SOLAR(100, CENTURIES / 400), .method = "midpoint", .order = 16, .orbits = 32, .duty = {LONGRUN_SHOWN}},
     {.scene = NULL},

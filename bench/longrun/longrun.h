@@ -12,16 +12,28 @@ enum { LONGRUN_ORBITS_MAX = 2048, LONGRUN_SAMPLES_MAX = 80, LONGRUN_N_MAX = 18, 
 typedef enum { LONGRUN_ENERGY, LONGRUN_MOMENTUM, LONGRUN_QUANTITIES } longrun_quantity;
 
 /* How the steps are made: by the library, by the library without its low-order parts, by longrun/rounded.h, by
- * longrun/sooner.h. */
-typedef enum { LONGRUN_COMPENSATED, LONGRUN_PLAIN, LONGRUN_ROUNDED, LONGRUN_SOONER } longrun_sums;
+ * longrun/sooner.h, by longrun/nearest.h. */
+typedef enum { LONGRUN_COMPENSATED, LONGRUN_PLAIN, LONGRUN_ROUNDED, LONGRUN_SOONER, LONGRUN_NEAREST } longrun_sums;
 
 /* The bounds that `make longrun` insists on: all bounds, one bound at least missed, or nothing. */
 typedef enum { LONGRUN_HOLDS, LONGRUN_FAILS, LONGRUN_SHOWN } longrun_duty;
 
+/* Constraints of a scene, with its potential. Starts are near them. */
+typedef struct {
+    scene scene;
+    int m;
+    tvi_constraint_fn *phi;
+} longrun_constraints;
+
+/* Their scenes are all called "constrained" (constrained.c). */
+extern const longrun_constraints longrun_pendulum, longrun_double_pendulum, longrun_water, longrun_euler_top,
+    longrun_heavy_top;
+
 typedef struct {
     const scene *scene;
-    const char *title, *form; /* of the system, in the table */
-    tvi_rescale_fn *scale;    /* NULL: the time of the steps is t */
+    const longrun_constraints *constraints; /* of this scene, or NULL */
+    const char *title, *form;               /* of the system, in the table */
+    tvi_rescale_fn *scale;                  /* NULL: the time of the steps is t */
     const char *method;
     int order;
     longrun_sums sums;

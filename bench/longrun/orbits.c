@@ -1,5 +1,6 @@
 /* orbits.c - Runs many orbits of one scene in threads, and samples their energies (longrun.h). */
 #include "longrun.h"
+#include "nearest.h"
 #include "rounded.h"
 #include "sooner.h"
 
@@ -63,6 +64,7 @@ static void orbit_begin(orbit *o, const longrun_line *line, const ensemble *all,
         o->p[i] = s->p[i] * (1 + PERTURBATION * random_number(&seed));
     }
     if (s == &scene_solar) centre(o, s);
+    if (line->constraints) experiment_insist(tvi_project(all->stepped, 0, o->q, o->p), line->title);
     if (line->sums == LONGRUN_ROUNDED) {
         if (!(o->control = rounded_create(all->system, line->h))) experiment_fail(s->name, "no memory");
         return;
@@ -141,6 +143,7 @@ static void orbit_run(const ensemble *all, int k)
     orbit o;
     double start[LONGRUN_QUANTITIES], first[LONGRUN_QUANTITIES], now[LONGRUN_QUANTITIES], scatter[LONGRUN_QUANTITIES];
     passes_end_sooner = line->sums == LONGRUN_SOONER;
+    coefficients_are_nearest = line->sums == LONGRUN_NEAREST;
     orbit_begin(&o, line, all, k);
     measure(&o, line->scene->n, start);
     const double scale[LONGRUN_QUANTITIES] = {fmax(fabs(start[0]), line->scene->energy_scale), fabs(start[1])};
@@ -165,15 +168,17 @@ static void *run_some(void *ctx)
 void longrun_run(longrun_series *series, const longrun_line *line, int orbits, double steps)
 {
     pthread_t thread[THREADS];
-    tvi_system *system = experiment_system(line->scene), *rescaled = NULL;
-    if (line->scale && tvi_system_rescaled(&rescaled, system, line->scale, NULL) != TVI_OK)
-        experiment_fail(line->title, "cannot be rescaled");
+    tvi_system *system = experiment_system(line->scene), *stepped = NULL;
+    const longrun_constraints *on = line->constraints;
+    if (line->scale) experiment_insist(tvi_system_rescaled(&stepped, system, line->scale, NULL), line->title);
+    if (on) experiment_insist(tvi_system_constrained(&stepped, system, on->m, on->phi, NULL), line->title);
     experiment_method method = experiment_find(line->method, line->order);
     method.who.options.max_tail = 0;
     tvi_compiled *code = NULL;
     ensemble all = {
-        .series = series, .system = system, .stepped = rescaled ? rescaled : system, .options = method.who.options};
-    if (getenv("LONGRUN_COMPILED") && line->sums != LONGRUN_SOONER) /* generated code ends its passes itself */
+        .series = series, .system = system, .stepped = stepped ? stepped : system, .options = method.who.options};
+    /* Generated code ends its passes itself, and has no constraints. */
+    if (getenv("LONGRUN_COMPILED") && line->sums != LONGRUN_SOONER && !on)
         experiment_insist(tvi_compile(&code, all.stepped, &all.options, NULL), "a compilation");
     all.options.compiled = code;
     const double begin = run_clock();
@@ -185,7 +190,7 @@ void longrun_run(longrun_series *series, const longrun_line *line, int orbits, d
         if (pthread_create(&thread[i], NULL, run_some, &all) != 0) experiment_fail("threads", "cannot be made");
     for (int i = 0; i < THREADS; i++) pthread_join(thread[i], NULL);
     tvi_compiled_free(code);
-    tvi_system_free(rescaled);
+    tvi_system_free(stepped);
     tvi_system_free(system);
     series->cpu = run_clock() - begin;
 }
