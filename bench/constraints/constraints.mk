@@ -20,6 +20,6 @@ constraints: need-bench
 # the rivals by hand have the flags of the baselines
 $(CONSTRAINTS)/rattle.o $(CONSTRAINTS)/sundials.o: CFLAGS += $(BASELINE_FLAGS) $(if $(CONSTRAINTS_SUNDIALS),-DCONSTRAINTS_SUNDIALS)
 $(CONSTRAINTS)/constraints: $(PERFORMANCE_DIR)/stepping.o
-$(CONSTRAINTS)/work: $(CONSTRAINTS)/rattle.o $(CONSTRAINTS)/sundials.o
+$(CONSTRAINTS)/work: $(CONSTRAINTS)/rattle.o $(CONSTRAINTS)/sundials.o $(BUILD)/bench/longrun/constrained.o
 $(CONSTRAINTS_PROGRAMS): %: %.o $(CONSTRAINTS_SHARED) $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
-	$(call SAY,LD $@)$(CC) $(CFLAGS) -o $@ $^ $(BASELINE_LIBS) $(CONSTRAINTS_SUNDIALS) $(LIBS)
+	$(call SAY,LD $@)$(CC) $(CFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(BASELINE_LIBS) $(CONSTRAINTS_SUNDIALS) $(LIBS)

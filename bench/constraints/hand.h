@@ -6,14 +6,15 @@
 #include "baselines/baseline.h"
 #include "work.h"
 
+#include <math.h>
 #include <string.h>
 
 /* g are the numbers that G is made of, W = M^-1. S = G1 W G0^T is stored as its band, S[k][l - k + band]; beyond it S
  * has zeros. */
 typedef struct {
-    int n, m, band, numbers; /* of g */
-    double unit;             /* phi has roundoff of this */
-    void (*accelerate)(double a[]);
+    int n, m, band, numbers;                          /* of g */
+    double unit;                                      /* phi has roundoff of this */
+    void (*accelerate)(const double q[], double a[]); /* W F */
     void (*evaluate)(const double q[], double phi[], double g[]);
     void (*set_S)(const double g1[], const double g0[], double S[]);
     void (*apply_WGT)(const double g[], const double mu[], double out[]);
@@ -68,13 +69,14 @@ static INLINE void chain_bend(int links, const double v[], double out[])
     for (int j = 0; j < links; j++) out[j] = dot_2(of_links + 2 * j, of_links + 2 * j);
 }
 
-static INLINE void chain_accelerate(int links, double a[])
+static INLINE void chain_accelerate(int links, const double q[], double a[])
 {
+    (void)q;
     for (int i = 0; i < 2 * links; i++) a[i] = i % 2 ? -WORK_GRAVITY : 0;
 }
 
 #define CHAIN_BY_HAND(name, links, length)                                                                             \
-    static INLINE void name##_accelerate(double a[]) { chain_accelerate(links, a); }                                   \
+    static INLINE void name##_accelerate(const double q[], double a[]) { chain_accelerate(links, q, a); }              \
     static INLINE void name##_evaluate(const double q[], double phi[], double g[])                                     \
     {                                                                                                                  \
         chain_evaluate(links, length, q, phi, g);                                                                      \
@@ -108,8 +110,9 @@ static const int top_pair[][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}
 
 static INLINE double dot_3(const double x[], const double y[]) { return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]; }
 
-static INLINE void top_accelerate(double a[])
+static INLINE void top_accelerate(const double q[], double a[])
 {
+    (void)q;
     memset(a, 0, 9 * sizeof *a);
     a[8] = -TOP_WEIGHT * top_W[2];
 }
@@ -166,6 +169,72 @@ static INLINE void top_bend(const double v[], double out[])
 
 static const hand hand_top = {9,           6,       5, 9, 1.0, top_accelerate, top_evaluate, top_set_S, top_apply_WGT,
                               top_apply_G, top_bend};
+
+/* ---- Water, of longrun/constrained.c ----------------------------------------------------------------------------- */
+
+/* g has the bonds O H, O H, H H; phi is (|bond|^2 - length^2) / 2. */
+static const int water_bond[][2] = {{0, 1}, {0, 2}, {1, 2}};
+static const double water_length[] = {1, 1, 1.5817}, water_W[] = {1.0 / 16, 1, 1}, water_charge[] = {-3, 1.5, 1.5};
+
+static INLINE void water_accelerate(const double q[], double a[])
+{
+    for (int atom = 0; atom < 3; atom++) {
+        const double s = 1 / sqrt(1 + dot_3(q + 3 * atom, q + 3 * atom));
+        const double factor = water_W[atom] * (water_charge[atom] * s * s * s - (atom ? 0 : 0.125));
+        for (int i = 0; i < 3; i++) a[3 * atom + i] = factor * q[3 * atom + i];
+    }
+}
+
+static INLINE void water_set_bonds(const double q[], double g[])
+{
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++) g[3 * k + i] = q[3 * water_bond[k][1] + i] - q[3 * water_bond[k][0] + i];
+}
+
+static INLINE void water_evaluate(const double q[], double phi[], double g[])
+{
+    water_set_bonds(q, g);
+    for (int k = 0; k < 3; k++) phi[k] = 0.5 * (dot_3(g + 3 * k, g + 3 * k) - water_length[k] * water_length[k]);
+}
+
+static INLINE void water_set_S(const double g1[], const double g0[], double S[])
+{
+    for (int k = 0; k < 3; k++)
+        for (int l = 0; l < 3; l++) {
+            double sum = 0;
+            for (int a = 0; a < 2; a++)
+                for (int b = 0; b < 2; b++)
+                    if (water_bond[k][a] == water_bond[l][b]) sum += (a == b ? 1 : -1) * water_W[water_bond[k][a]];
+            S[k * 5 + l - k + 2] = sum * dot_3(g1 + 3 * k, g0 + 3 * l);
+        }
+}
+
+static INLINE void water_apply_WGT(const double g[], const double mu[], double out[])
+{
+    memset(out, 0, 9 * sizeof *out);
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++) {
+            out[3 * water_bond[k][0] + i] -= water_W[water_bond[k][0]] * mu[k] * g[3 * k + i];
+            out[3 * water_bond[k][1] + i] += water_W[water_bond[k][1]] * mu[k] * g[3 * k + i];
+        }
+}
+
+static INLINE void water_apply_G(const double g[], const double x[], double out[])
+{
+    double of_bonds[9];
+    water_set_bonds(x, of_bonds);
+    for (int k = 0; k < 3; k++) out[k] = dot_3(g + 3 * k, of_bonds + 3 * k);
+}
+
+static INLINE void water_bend(const double v[], double out[])
+{
+    double of_bonds[9];
+    water_set_bonds(v, of_bonds);
+    for (int k = 0; k < 3; k++) out[k] = dot_3(of_bonds + 3 * k, of_bonds + 3 * k);
+}
+
+static const hand hand_water = {
+    9, 3, 2, 9, 1.0, water_accelerate, water_evaluate, water_set_S, water_apply_WGT, water_apply_G, water_bend};
 
 /* ---- Factors of S ------------------------------------------------------------------------------------------------ */
 

@@ -114,7 +114,7 @@ static INLINE bool drift(const hand *p, double h, place *x, double mu[])
 static INLINE void kick(const hand *p, double h, place *x)
 {
     double a[WORK_NUMBERS];
-    p->accelerate(a);
+    p->accelerate(x->q, a);
     for (int i = 0; i < p->n; i++) add(&x->v[i], &x->v_low[i], h * a[i]);
 }
 
@@ -162,6 +162,7 @@ bool rattle_run(const work_task *task, int order, double q[], double v[])
     case WORK_PENDULUM: return rattle(&hand_pendulum, task, order, q, v);
     case WORK_DOUBLE: return rattle(&hand_double, task, order, q, v);
     case WORK_CHAIN: return rattle(&hand_chain, task, order, q, v);
+    case WORK_WATER: return rattle(&hand_water, task, order, q, v);
     case WORK_TOP: return rattle(&hand_top, task, order, q, v);
     case WORK_PROBLEMS: break;
     }

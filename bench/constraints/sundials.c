@@ -53,7 +53,7 @@ static INLINE void put(const hand *p, sundials_kind kind, int what, int count, c
 static INLINE void find_lambda(const hand *p, const double q[], const double v[], double lambda[])
 {
     double a[WORK_NUMBERS], g[WORK_NUMBERS], phi[MU_MOST], bent[MU_MOST], S[S_MOST] = {0};
-    p->accelerate(a);
+    p->accelerate(q, a);
     p->evaluate(q, phi, g);
     p->bend(v, bent);
     p->apply_G(g, a, lambda);
@@ -64,10 +64,10 @@ static INLINE void find_lambda(const hand *p, const double q[], const double v[]
 }
 
 /* a = W (F - G^T lambda) */
-static INLINE void accelerate(const hand *p, const double g[], const double lambda[], double a[])
+static INLINE void accelerate(const hand *p, const double q[], const double g[], const double lambda[], double a[])
 {
     double impulse[WORK_NUMBERS];
-    p->accelerate(a);
+    p->accelerate(q, a);
     p->apply_WGT(g, lambda, impulse);
     for (int i = 0; i < p->n; i++) a[i] -= impulse[i];
 }
@@ -80,7 +80,7 @@ static INLINE void slope(const hand *p, const double y[], double out[])
     find_lambda(p, y, y + p->n, lambda);
     p->evaluate(y, phi, g);
     memcpy(out, y + p->n, (size_t)p->n * sizeof *out);
-    accelerate(p, g, lambda, out + p->n);
+    accelerate(p, y, g, lambda, out + p->n);
 }
 
 /* ---- IDA --------------------------------------------------------------------------------------------------------- */
@@ -92,7 +92,7 @@ static INLINE void residual(const hand *p, sundials_kind kind, const double y[],
     double lambda[MU_MOST], mu[MU_MOST], phi[MU_MOST], hidden[MU_MOST];
     take(p, kind, Q, p->n, y, q), take(p, kind, V, p->n, y, v), take(p, kind, LAMBDA, p->m, y, lambda);
     p->evaluate(q, phi, g);
-    accelerate(p, g, lambda, a);
+    accelerate(p, q, g, lambda, a);
     take(p, kind, V, p->n, rate, x);
     for (int i = 0; i < p->n; i++) x[i] -= a[i];
     put(p, kind, V, p->n, x, out);
@@ -134,6 +134,7 @@ static INLINE void residual(const hand *p, sundials_kind kind, const double y[],
 FOR_PROBLEM(hand_pendulum)
 FOR_PROBLEM(hand_double)
 FOR_PROBLEM(hand_chain)
+FOR_PROBLEM(hand_water)
 FOR_PROBLEM(hand_top)
 
 static const struct {
@@ -144,6 +145,7 @@ static const struct {
     [WORK_PENDULUM] = {&hand_pendulum, slope_of_hand_pendulum, residual_of_hand_pendulum},
     [WORK_DOUBLE] = {&hand_double, slope_of_hand_double, residual_of_hand_double},
     [WORK_CHAIN] = {&hand_chain, slope_of_hand_chain, residual_of_hand_chain},
+    [WORK_WATER] = {&hand_water, slope_of_hand_water, residual_of_hand_water},
     [WORK_TOP] = {&hand_top, slope_of_hand_top, residual_of_hand_top},
 };
 
@@ -224,7 +226,7 @@ static void start(const solver *s, const double q[], const double v[])
     if (kind == SUNDIALS_ADAMS) return;
     find_lambda(p, q, v, lambda);
     p->evaluate(q, phi, g);
-    accelerate(p, g, lambda, a);
+    accelerate(p, q, g, lambda, a);
     put(p, kind, LAMBDA, p->m, lambda, y), put(p, kind, Q, p->n, v, rate), put(p, kind, V, p->n, a, rate);
     for (int i = 0; i < p->n; i++) ones[i] = 1;
     put(p, kind, Q, p->n, ones, N_VGetArrayPointer(s->id)), put(p, kind, V, p->n, ones, N_VGetArrayPointer(s->id));

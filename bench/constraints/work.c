@@ -4,6 +4,7 @@
 #include "work.h"
 
 #include "experiments/experiment.h"
+#include "longrun/longrun.h"
 #include "performance/turns.h"
 #include "tvi_rigid.h"
 
@@ -24,7 +25,7 @@ static const double MOST_ERROR = 0.3, LEAST_ERROR = 3e-14, LONGEST = 0.1, LEAST_
 /* The coordinates of the library from `first` on are those by hand. */
 typedef struct {
     const char *title;
-    chain of; /* but of the top */
+    chain of; /* of chains */
     double duration;
     int n, first;
     tvi_system *system;
@@ -35,6 +36,7 @@ static problem problems[] = {
     [WORK_PENDULUM] = {.title = "pendulum", .n = 2, .duration = 5, .of = {1, 1, WORK_GRAVITY, {1.5}, {0}}},
     [WORK_DOUBLE] = {.title = "double pendulum", .n = 4, .duration = 2, .of = {2, 1, WORK_GRAVITY, {1.5, 2}, {0}}},
     [WORK_CHAIN] = {.title = "chain of 10", .n = 20, .duration = 1, .of = {10, 0.1, WORK_GRAVITY, {0}, {0}}},
+    [WORK_WATER] = {.title = "water", .n = 9, .duration = 10},
     [WORK_TOP] = {.title = "heavy top", .n = 9, .first = 3, .duration = 10},
 };
 
@@ -57,17 +59,34 @@ static tvi_system *make_top(double q[], double p[], double v[])
     return system;
 }
 
+static tvi_system *make_water(double q[], double p[], double v[])
+{
+    const scene *s = &longrun_water.scene;
+    tvi_system *system, *base = experiment_system(s);
+    experiment_insist(tvi_system_constrained(&system, base, longrun_water.m, longrun_water.phi, NULL), "water");
+    memcpy(q, s->q, (size_t)s->n * sizeof *q), memcpy(p, s->p, (size_t)s->n * sizeof *p);
+    experiment_insist(tvi_project(system, 0, q, p), "water");
+    for (int i = 0; i < s->n; i++) v[i] = p[i] / s->mass[i];
+    tvi_system_free(base);
+    return system;
+}
+
+static tvi_system *make_chain(problem *s)
+{
+    if (s->of.links == LINKS_MOST)
+        for (int j = 0; j < LINKS_MOST; j++) s->of.angle[j] = 1.5 - 0.1 * j;
+    tvi_system *system = chain_of_places(&s->of, s->q, s->p);
+    experiment_insist(tvi_project(system, 0, s->q, s->p), s->title);
+    memcpy(s->v, s->p, sizeof s->v);
+    return system;
+}
+
 /* The end is that of steps of order 20 of which the last halving moves nothing but roundoff. */
 static void open_problem(problem *s)
 {
-    if (!s->of.links) s->system = make_top(s->q, s->p, s->v);
-    else {
-        if (s->of.links == LINKS_MOST)
-            for (int j = 0; j < LINKS_MOST; j++) s->of.angle[j] = 1.5 - 0.1 * j;
-        s->system = chain_of_places(&s->of, s->q, s->p);
-        experiment_insist(tvi_project(s->system, 0, s->q, s->p), s->title);
-        memcpy(s->v, s->p, sizeof s->v);
-    }
+    s->system = s == &problems[WORK_TOP]     ? make_top(s->q, s->p, s->v)
+                : s == &problems[WORK_WATER] ? make_water(s->q, s->p, s->v)
+                                             : make_chain(s);
     tvi_options options;
     double before[WORK_NUMBERS], moved = INFINITY;
     experiment_insist(tvi_options_named("galerkin", 20, &options), s->title);

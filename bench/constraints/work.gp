@@ -14,7 +14,7 @@ $work << END
 "IDA index 1" "IDA" #999999 1 6
 "CVODE Adams" "CVODE Adams" #E69F00 1 10
 END
-array problems[4] = ["pendulum", "double pendulum", "chain of 10", "heavy top"]
+array problems[5] = ["pendulum", "double pendulum", "chain of 10", "water", "heavy top"]
 
 eval work_style
 set logscale xy
@@ -23,14 +23,18 @@ set yrange [1e-14:1]
 points(problem, i) = rows("work", sprintf("$1 == \"%s\" && $2 == \"%s\"", problem, work_field(i, 1)), "$4 * 1e3, $5")
 
 do for [type in types] {
-    eval open(type, "work", 1000, 860)
-    set multiplot layout 2,2 margins 0.075, 0.985, 0.065, 0.955 spacing 0.075, 0.1
-    do for [k=1:4] {
+    eval open(type, "work", 1000, 1160)
+    set multiplot layout 3,2 margins 0.075, 0.985, 0.05, 0.965 spacing 0.075, 0.075
+    unset key
+    do for [k=1:5] {
         set title problems[k]
         if (k % 2) { set ylabel "largest error of a coordinate at the end" } else { unset ylabel }
-        if (k > 2) { set xlabel "CPU time (ms)" } else { unset xlabel }
-        if (k == 1) { set key top right Left reverse samplen 2 opaque } else { unset key }
-        plot for [i=1:|$work|] points(problems[k], i) with linespoints ls i title work_field(i, 2)
+        if (k > 3) { set xlabel "CPU time (ms)" } else { unset xlabel }
+        plot for [i=1:|$work|] points(problems[k], i) with linespoints ls i
     }
+    set key center center Left reverse samplen 2
+    unset title; unset ylabel; unset xlabel; unset tics; unset border; unset grid
+    plot for [i=1:|$work|] NaN with linespoints ls i title work_field(i, 2)
     unset multiplot
+    set tics; set border 3; set grid
 }

@@ -6,8 +6,8 @@
 
 #include <stdbool.h>
 
-/* Chains of 1, 2 and 10 links, together of the length 1, 2 and 1, and a heavy top. */
-typedef enum { WORK_PENDULUM, WORK_DOUBLE, WORK_CHAIN, WORK_TOP, WORK_PROBLEMS } work_problem;
+/* Chains of 1, 2 and 10 links, together of the length 1, 2 and 1; water, a molecule in a field; a heavy top. */
+typedef enum { WORK_PENDULUM, WORK_DOUBLE, WORK_CHAIN, WORK_WATER, WORK_TOP, WORK_PROBLEMS } work_problem;
 
 enum { WORK_NUMBERS = 2 * LINKS_MOST }; /* of coordinates, at most */
 #define WORK_GRAVITY 9.8
