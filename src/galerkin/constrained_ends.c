@@ -60,13 +60,17 @@ static tvi_status set_W(constrained_work *work, double t, const double *q, const
     return status;
 }
 
-/* Sets the scales of the constraints for a step of size h. */
+/* Sets the scales of the constraints for a step of size h. Where masses are constant, h W is the number that moves
+ * positions by p, too: with another roundoff the step would not be symplectic. */
 tvi_status tvi_constrained_set_scales(constrained_work *work, double h, const tvi_step_origin *origin)
 {
     constraint_nodes *at = &work->nodes;
     const tvi_status status = set_W(work, origin->t, origin->q, origin->p);
     at->h = h;
-    for (int i = 0; i < (at->has_masses ? at->n : at->n * at->n); i++) at->hW[i] = h * at->W[i];
+    if (work->galerkin->step.is_separable)
+        memcpy(at->hW, work->galerkin->step.nodes.scale, (size_t)at->n * sizeof *at->hW);
+    else
+        for (int i = 0; i < (at->has_masses ? at->n : at->n * at->n); i++) at->hW[i] = h * at->W[i];
     return status;
 }
 

@@ -1,5 +1,5 @@
 /* test_runs.c - Tests runs on constraints: forces that press on them, multipliers that change within a step, singular
- * positions, results at times, dense output, an event. */
+ * positions, results at times, dense output, an event, energies in long runs. */
 #include "constraints.h"
 #include "integrator/inside_step.h"
 
@@ -239,6 +239,53 @@ START_TEST(events_of_a_pendulum)
 }
 END_TEST
 
+/* ---- Long runs --------------------------------------------------------------------------------------------------- */
+
+static jet weight_of_pendulum(const jet q[], jet t, void *ctx)
+{
+    (void)t;
+    return jet_mul(*(const double *)ctx, q[1]);
+}
+
+static void unit_rod(const jet q[], jet t, jet value[], void *ctx)
+{
+    (void)t, (void)ctx;
+    value[0] = jet_mul(0.5, jet_sub(jet_dot(q, q, 2), 1));
+}
+
+/* The change of a pendulum's energy, in units of its weight. */
+static double energy_change(double mass, double speed)
+{
+    double weight = 9.75 * mass, t = 0, q[] = {1, 0}, p[] = {0, mass * speed}, before, after;
+    const double masses[] = {mass, mass};
+    tvi_system *base, *system;
+    ck_assert_int_eq(tvi_system_potential(&base, 2, masses, weight_of_pendulum, &weight), TVI_OK);
+    ck_assert_int_eq(tvi_system_constrained(&system, base, 1, unit_rod, NULL), TVI_OK);
+    tvi_integrator *integrator = integrator_of_order(system, 16);
+    ck_assert_int_eq(tvi_energy(base, t, q, p, &before), TVI_OK);
+    ck_assert_int_eq(tvi_integrate(integrator, 0.05, 60000, &t, q, p, NULL, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_energy(base, t, q, p, &after), TVI_OK);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+    tvi_system_free(base);
+    return (after - before) / weight;
+}
+
+/* Energies of 16 pendulums walk at random: their mean is within five of its standard errors. 0.05 * (1 / 0.265) is not
+ * 0.05 / 0.265: where one is in the free motion and the other in that of constraints, the mean is at ten and more. */
+START_TEST(energies_do_not_drift)
+{
+    enum { ORBITS = 16 };
+    double sum = 0, squares = 0;
+    for (int i = 0; i < ORBITS; i++) {
+        const double change = energy_change(0.265, 0.5 + 0.01 * i);
+        sum += change, squares += change * change;
+    }
+    const double mean = sum / ORBITS, error = sqrt((squares / ORBITS - mean * mean) / (ORBITS - 1));
+    ck_assert_msg(fabs(mean) <= 5 * error, "%.2g +- %.2g", mean, error);
+}
+END_TEST
+
 Suite *suite_runs(void)
 {
     Suite *suite = suite_create("runs");
@@ -252,6 +299,9 @@ Suite *suite_runs(void)
     tcase_add_loop_test(tcase, dense_output, 0, problem_count);
     tcase_add_test(tcase, events_of_a_pendulum);
     tcase_add_loop_test(tcase, samples, 0, problem_count);
+    suite_add_tcase(suite, tcase);
+    tcase = tcase_create("long");
+    tcase_add_test(tcase, energies_do_not_drift);
     suite_add_tcase(suite, tcase);
     return suite;
 }
