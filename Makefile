@@ -30,7 +30,8 @@
 #                 minutes
 # make peers REBOUND=DIR HEYOKA=DIR   error against time beside REBOUND and heyoka, which you have built; either may be
 #                 missing: the table of docs/performance.md and the picture of README.md, some minutes
-# make gradient   the gradient of a run beside the run, and beside tangent columns: the tables of docs/fits.md
+# make gradient   the gradient of a run beside the run, and beside tangent columns: two tables of docs/fits.md
+# make fits       fits in Python by derivatives of runs, beside those by differences: two tables of docs/fits.md
 # make constraints   steps on constraints beside minimal coordinates and other methods: docs/constraints.md, 8 minutes
 # make devices    what each device for speed gives (docs/adding.md), ten minutes; PLAIN=1: a library without any
 # make compare-with COMMIT=hash   times and instructions of steps beside that commit's, row by row, and of ensembles
@@ -46,8 +47,8 @@
 # make verify     the tables of the documents made anew and compared, times excepted
 # make docs-tables   all tables and pictures of the documents anew, an hour; those of one target: make performance-docs,
 #                 choose-docs, bench-docs, peers-docs, tails-docs, suggest-docs, stability-docs, guard-docs, longrun-docs,
-#                 adaptive-docs, chaos-docs, constraints-docs, gradient-docs, order-doubling-docs, experiments-docs,
-#                 maps-docs, orbit-docs
+#                 adaptive-docs, chaos-docs, constraints-docs, gradient-docs, fits-docs, order-doubling-docs,
+#                 experiments-docs, maps-docs, orbit-docs
 # make chaos      Lyapunov exponents and MEGNO of Henon-Heiles by the tangent map: tables and picture of docs/chaos.md
 # make maps       order and chaos over planes of starts, by ensembles: the pictures of
 #                 docs/ensembles.md, some minutes

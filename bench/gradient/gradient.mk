@@ -22,3 +22,12 @@ columns: need-bench
 
 $(GRADIENT)/columns: $(patsubst %/gradient.o,%/columns.o,$(GRADIENT_OBJECTS)) $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
 	$(call SAY,LD $@)$(CC) $(CFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)
+
+# fits in Python beside those by differences: two tables of docs/fits.md, ten seconds
+fits: need-library all
+	$(call need,$(foreach package,numpy cffi,'python3-$(package):$(HAS_PYTHON)') \
+	    'python3-scipy:/usr/bin/python3 -c "import scipy"')
+	@mkdir -p $(GRADIENT)
+	OPENBLAS_NUM_THREADS=1 $(PYTHON_HERE) /usr/bin/python3 bench/gradient/fit.py $(GRADIENT)
+	@cat $(GRADIENT)/least_squares.md $(GRADIENT)/one_gradient.md
+.PHONY: fits
