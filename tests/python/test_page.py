@@ -1,9 +1,10 @@
-"""The programs of docs/python.md, bodies.md, chaos.md, constraints.md and rigid.md run one after the other and print
-what stands below them; the examples of docstrings do, too, and every public name has one."""
+"""The programs of docs/python.md, bodies.md, chaos.md, constraints.md, rigid.md, fits.md and three-fits.md run one
+after the other and print what stands below them; the examples of docstrings do, too, and every public name has one."""
 
 import contextlib
 import doctest
 import importlib
+import importlib.util
 import inspect
 import io
 import os
@@ -22,7 +23,8 @@ PAGE = (ROOT / "docs/python.md").read_text()
 
 
 class Page(unittest.TestCase):
-    def run_programs(self, page, least):
+    def run_programs(self, page, least, without=()):
+        """All but those that import or take what is left out."""
         blocks = re.findall(r"```python\n(.*?)```(?:\n\n```text\n(.*?)```)?", page, re.S)
         self.assertGreaterEqual(len(blocks), least)
         matplotlib.use("Agg")
@@ -31,6 +33,8 @@ class Page(unittest.TestCase):
             os.chdir(folder)
             try:
                 for program, wanted in blocks:
+                    if any(re.search(rf"\b{name}\b", program) for name in without):
+                        continue
                     printed = io.StringIO()
                     with contextlib.redirect_stdout(printed):
                         exec(compile(program, "a page", "exec"), names)
@@ -43,6 +47,12 @@ class Page(unittest.TestCase):
         self.assertGreater(self.run_programs(PAGE, 8)["kepler.png"], 10000)
         for page in ("bodies", "chaos", "constraints", "rigid"):
             self.run_programs((ROOT / f"docs/{page}.md").read_text(), 1)
+
+    def test_fits(self):
+        """Both pages are one program. Those of JAX and PyTorch are never run, and those of SciPy where it is."""
+        without = ["jax", "torch"] + ([] if importlib.util.find_spec("scipy") else ["scipy", "minimize"])
+        pages = [(ROOT / f"docs/{page}.md").read_text() for page in ("fits", "three-fits")]
+        self.run_programs("".join(pages), 5, without)
 
     def test_readme(self):
         program = re.search(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S).group(1)
