@@ -56,7 +56,7 @@ typedef struct {
  * end and move back through all steps, by steps of -h of the adjoint system; these are the exact derivatives of the
  * steps, to roundoff (docs/method.md section 13): of the map that was computed, with h given. Derivatives by times, of
  * events or t_end, are those of the flow, to the error of a step. It may be called again, with other losses, and takes
- * about as long as 2 to 4 runs.
+ * about as long as 2 to 5 runs.
  *   TVI_EINVAL       NULL, a loss of another size
  *   TVI_ENONFINITE   a loss that is not finite
  *   TVI_ESINGULAR    an event whose function touches 0 and does not pass through it: its time has no derivative

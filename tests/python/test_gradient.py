@@ -83,6 +83,7 @@ class Gradients(unittest.TestCase):
         self.assertAlmostEqual(g.k, -np.pi / 4 * 4.0**-1.5, places=12)
         self.assertAlmostEqual(g.q0[0], 0, places=12)
         self.assertAlmostEqual(g.t0, 1, places=12)
+        self.assertAlmostEqual(run.gradient(events={"t": [1]}).k, g.k, places=14)
 
     def test_integrals(self):
         spring = tvi.potential(1, lambda q, k: k * q[0]**2 / 2, k=4.0)
@@ -116,6 +117,10 @@ class Gradients(unittest.TestCase):
         run = tvi.solve(spring, *start, p0=0, h=0.1, gradient=True)
         with self.assertRaisesRegex(TypeError, "give t_eval"):
             run.gradient(q=[[1]])
+        with self.assertRaisesRegex(TypeError, "t_end= is for a run that an event ended"):
+            run.gradient(t_end=1)
+        with self.assertRaisesRegex(ValueError, "events has 1 entries, and the run has 0 functions"):
+            run.gradient(events={"t": [1]})
         with self.assertRaisesRegex(ValueError, "q_end"):
             run.gradient(q_end=[1, 2])
         with self.assertRaises(ValueError):

@@ -85,7 +85,9 @@ def gradient_of(result: Any, given: dict[str, Any]) -> Gradient:
     run, record = result.system, result._record
     if record is None:
         raise TypeError("the run has no gradient: give gradient=True to tvi.solve")
-    n, (times, events) = run.n, record.counts()
+    n, times = run.n, record.counts()[0]
+    if given["t_end"] is not None and result.status != 1:
+        raise TypeError("t_end= is for a run that an event ended: the end of this one is at a time that was given")
     loss = ffi.new("tvi_loss *")
     end = np.concatenate([_row("q_end", given["q_end"], n), _row("p_end", given["p_end"], n),
                           [0.0 if given["t_end"] is None else float(given["t_end"])]])
@@ -102,7 +104,7 @@ def gradient_of(result: Any, given: dict[str, Any]) -> Gradient:
         kept.append(by)
         loss.integrals = pointer(by)
     if given["events"] is not None:
-        at = _by_events(given["events"], result._event_order, events, n)
+        at = _by_events(given["events"], len(result.events), result._event_order, n)
         kept.append(at)
         loss.at_events = pointer(at)
     by_start, values = np.empty(2 * n + 1), np.empty(max(1, lib.tvi_system_parameters(run._handle.pointer)))
@@ -120,11 +122,13 @@ def _rows(name: str, value: Any, count: int, n: int) -> np.ndarray:
     return np.zeros((count, n)) if value is None else numbers(name, value, count, n)
 
 
-def _by_events(given: Any, order: list[int], count: int, n: int) -> np.ndarray:
-    """The derivatives by all events in the order of the run. given: for each function a dictionary with t [e], q and
-    p [e, n], those that are not 0, or None."""
-    rows = np.zeros((count, 2 * n + 1))
-    for index, one in enumerate(given):
+def _by_events(given: Any, functions: int, order: list[int], n: int) -> np.ndarray:
+    """The derivatives by all events in the order of the run, `order` of which function each was. given: for each
+    function a dictionary with t [e], q and p [e, n], those that are not 0, or None; of one function it alone."""
+    rows, several = np.zeros((len(order), 2 * n + 1)), [given] if isinstance(given, dict) else list(given)
+    if len(several) != functions:
+        raise ValueError(f"events has {len(several)} entries, and the run has {functions} functions")
+    for index, one in enumerate(several):
         where = [i for i, which in enumerate(order) if which == index]
         for name, value in (one or {}).items():
             if name not in ("t", "q", "p"):

@@ -111,7 +111,7 @@ class Result:
         """The derivatives of a loss by q0, p0, v0, t0 and the parameters of a run that was made with gradient=True,
         from its derivatives by what the run told: q and p [k, n] at t_eval, q_end and p_end [n], t_end where an event
         ended the run, for each function of events a dictionary with t [e], q and p [e, n] (or None), and integrals.
-        They are exact derivatives of the computed steps, to roundoff, and take the time of some 2 to 4 runs, whatever
+        They are exact derivatives of the computed steps, to roundoff, and take the time of some 2 to 5 runs, whatever
         the number of parameters. Raises tvi.Error: ESINGULAR for an event that touches 0.
 
         >>> import numpy as np, tvi
