@@ -128,3 +128,8 @@ bool jet_record_gradient_by(jet_graph *graph, jet output, int input_count, jet g
     free(lists.scratch_contributions);
     return !lists.is_out_of_memory;
 }
+
+bool jet_record_gradient(jet_graph *graph, jet output, int input_count, jet gradient[])
+{
+    return jet_record_gradient_by(graph, output, input_count, gradient, 0, NULL);
+}

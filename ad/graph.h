@@ -177,10 +177,8 @@ jet jet_record_linear_combination(int count, const double coefficient[], const j
  * is no jet of the graph. Returns false if memory is lacking. */
 bool jet_record_gradient_by(jet_graph *graph, jet output, int input_count, jet gradient[], int parameter_count,
                             jet by_parameter[]);
-static inline bool jet_record_gradient(jet_graph *graph, jet output, int input_count, jet gradient[])
-{
-    return jet_record_gradient_by(graph, output, input_count, gradient, 0, NULL);
-}
+/* Records the gradient by the inputs alone. */
+bool jet_record_gradient(jet_graph *graph, jet output, int input_count, jet gradient[]);
 
 /* Records outputs of the closed graph `source` once more into the open graph `target`. The jets `input`, which are all
  * different, take the place of the inputs. value[i] is output i. derivative[i] is its derivative by forward

@@ -80,14 +80,13 @@ static bool allocate_arrays(tvi_backward *to, const tvi_record *record)
 /* Sets to->adjoint, that of the system, or one with the integrals of the record. */
 static tvi_status find_adjoint(tvi_backward *to, const tvi_record *record)
 {
-    to->integrals = (int)record->counts.integrals.count;
+    to->integrals = record->integrals.count;
     to->adjoint = record->adjoint;
     if (to->integrals == 0) return TVI_OK;
     tvi_integrand *integrands = malloc((size_t)to->integrals * sizeof *integrands);
     if (!integrands) return TVI_ENOMEM;
-    for (int k = 0; k < to->integrals; k++) integrands[k] = record->integrals[k].integrand;
-    const tvi_status status =
-        tvi_adjoint_create(&to->own, record->again->system->stepped_system, to->integrals, integrands);
+    for (int k = 0; k < to->integrals; k++) integrands[k] = record->integrals.of[k].integrand;
+    const tvi_status status = tvi_adjoint_create(&to->own, record->again->system, to->integrals, integrands);
     free(integrands);
     to->adjoint = to->own;
     return status;
@@ -101,6 +100,8 @@ tvi_status tvi_backward_create(tvi_record *record)
     tvi_options options = again->options;
     options.max_tail = -1; /* the guard has checked the steps of the run */
     options.compiled = NULL;
+    options.passes = 0; /* the multipliers converge at another rate than the state */
+    options.tolerance = 0;
     tvi_status status = find_adjoint(to, record);
     if (status == TVI_OK) status = tvi_integrator_create(&to->lift, to->adjoint->lift, &options);
     if (status == TVI_OK) status = tvi_integrator_create(&to->part, to->adjoint->lift, &options);
@@ -218,7 +219,7 @@ static tvi_status add_integrals(tvi_record *record, const tvi_integrator *lift)
     const jet_tape *tape = to->adjoint->integrands;
     const int points = to->nodes.points, n = 2 * to->N, inputs = lift->system->form == TVI_SEPARABLE ? n : 2 * n;
     const double h = lift->last_step.h, t = lift->last_step.start.q[n];
-    if (to->parameters == 0 && tape->input_count == inputs) return TVI_OK;
+    if (to->parameters == 0 && !lift->stepped->uses_time) return TVI_OK;
     compute_curve(to, lift);
     memcpy(to->integrand_block, to->curve, (size_t)(inputs * points) * sizeof *to->curve);
     for (int k = 0; k < points && tape->input_count > inputs; k++)

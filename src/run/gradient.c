@@ -199,7 +199,7 @@ static tvi_status go_back_through_step(way_back *way, long step, const double ex
     while (first > 0 && record->told[first - 1].step == step) first--;
     for (size_t i = first; i < last && status == TVI_OK; i++) { /* at the end of the step */
         const tvi_told *told = &record->told[i];
-        if (told->offset != h || (exit && i == last - 1)) continue;
+        if (told->offset != h || exit) continue;
         status = load_told(record, told, way->loss, NULL, 0, way->full, &way->by_t);
         tvi_backward_add(to, to->lift, to->covector.told);
     }
@@ -207,8 +207,8 @@ static tvi_status go_back_through_step(way_back *way, long step, const double ex
     if (status == TVI_OK && !exit) status = tvi_backward_step(record, to->lift, h);
     for (size_t i = last; i > first && status == TVI_OK; i--) {
         const tvi_told *told = &record->told[i - 1];
-        const bool is_exit = exit && i == last;
-        if (told->offset == h && !is_exit) continue;
+        const bool is_exit = exit && told->is_exit;
+        if (told->offset == h && !exit) continue;
         status = load_told(record, told, way->loss, is_exit ? exit : NULL, is_exit ? exit_t : 0, way->full, &way->by_t);
         if (status == TVI_OK) status = go_back_from_told(way, told, is_exit);
     }
@@ -309,6 +309,13 @@ static tvi_status go_back(tvi_record *record, const tvi_loss *loss, double by_st
     return TVI_OK;
 }
 
+static bool are_finite(int rows, int width, const double x[])
+{
+    for (int row = 0; x && row < rows; row++)
+        if (!tvi_all_finite(width, x + (size_t)row * (size_t)width)) return false;
+    return true;
+}
+
 tvi_status tvi_gradient(tvi_record *record, const tvi_loss *loss, double by_start[], double by_parameters[])
 {
     if (!record || !loss)
@@ -316,11 +323,10 @@ tvi_status tvi_gradient(tvi_record *record, const tvi_loss *loss, double by_star
                                              (const char *const[]){"record", "loss"});
     if (loss->size != 0 && loss->size != sizeof *loss)
         return jet_refuse(TVI_EINVAL, "size is not that of a tvi_loss of this version");
-    const int n = record->again->system->n;
-    if ((loss->end && !tvi_all_finite(2 * n + 1, loss->end)) ||
-        (loss->at_times && !tvi_all_finite(2 * n * record->time_count, loss->at_times)) ||
-        (loss->integrals && !tvi_all_finite((int)record->counts.integrals.count, loss->integrals)) ||
-        (loss->at_events && !tvi_all_finite((2 * n + 1) * record->event_count, loss->at_events)))
+    const int width = 2 * record->again->system->n;
+    if (!are_finite(1, width + 1, loss->end) || !are_finite(record->time_count, width, loss->at_times) ||
+        !are_finite(record->event_count, width + 1, loss->at_events) ||
+        !are_finite(1, record->integrals.count, loss->integrals))
         return jet_refuse(TVI_ENONFINITE, "the derivatives of the loss are not finite");
     tvi_status status = record->backward ? TVI_OK : tvi_backward_create(record);
     if (status == TVI_OK) status = go_back(record, loss, by_start, by_parameters);

@@ -9,7 +9,7 @@
 /* Creates the integrand and its block at the end of the array, which has room for it. */
 static tvi_status open_integral(tvi_record *record, tvi_event_fn *l, void *ctx)
 {
-    tvi_integral *made = &record->integrals[record->counts.integrals.count];
+    tvi_integral *made = &record->integrals.of[record->integrals.count];
     *made = (tvi_integral){.block = NULL};
     const tvi_status status = tvi_integrand_create(&made->integrand, record->again->system, l, ctx);
     if (status != TVI_OK) return status;
@@ -19,7 +19,7 @@ static tvi_status open_integral(tvi_record *record, tvi_event_fn *l, void *ctx)
         return jet_explain_out_of_memory(TVI_ENOMEM);
     }
     jet_tape_prepare_block(made->integrand.tape, made->block, 1, 1);
-    record->counts.integrals.count++;
+    record->integrals.count++;
     return TVI_OK;
 }
 
@@ -28,10 +28,13 @@ tvi_status tvi_record_integral(tvi_record *record, tvi_event_fn *l, void *ctx)
     if (!record) return jet_refuse(TVI_EINVAL, "record is NULL");
     if (!(tvi_find_method(&record->again->options)->supports->form_mask & TVI_SUPPORTS_FIELD))
         return jet_refuse(TVI_EUNSUPPORTED, "running integrals are for galerkin");
-    tvi_grown *counts = &record->counts.integrals;
-    tvi_integral *grown = realloc(record->integrals, (counts->count + 1) * sizeof *grown);
+    if (record->writer) return jet_refuse(TVI_EINVAL, "a run writes the record");
+    const size_t count = (size_t)record->integrals.count, N = (size_t)record->again->stepped->n;
+    tvi_integral *grown = realloc(record->integrals.of, (count + 1) * sizeof *grown);
     if (!grown) return jet_explain_out_of_memory(TVI_ENOMEM);
-    record->integrals = grown;
+    record->integrals.of = grown;
+    if (!record->integrals.nodes) record->integrals.nodes = malloc(2 * N * TVI_MOST_POINTS * sizeof(double));
+    if (!record->integrals.nodes) return jet_explain_out_of_memory(TVI_ENOMEM);
     const tvi_status status = open_integral(record, l, ctx);
     if (status != TVI_OK) return status;
     tvi_record_begin_anew(record);
@@ -42,16 +45,17 @@ tvi_status tvi_record_integral(tvi_record *record, tvi_event_fn *l, void *ctx)
 
 void tvi_record_integrals(const tvi_record *record, double value[])
 {
-    for (size_t k = 0; record && k < record->counts.integrals.count; k++) value[k] = record->integrals[k].value;
+    for (int k = 0; record && k < record->integrals.count; k++) value[k] = record->integrals.of[k].value;
 }
 
 void tvi_integrals_free(tvi_record *record)
 {
-    for (size_t k = 0; k < record->counts.integrals.count; k++) {
-        tvi_integrand_free(&record->integrals[k].integrand);
-        free(record->integrals[k].block);
+    for (int k = 0; k < record->integrals.count; k++) {
+        tvi_integrand_free(&record->integrals.of[k].integrand);
+        free(record->integrals.of[k].block);
     }
-    free(record->integrals);
+    free(record->integrals.of);
+    free(record->integrals.nodes);
 }
 
 /* Computes an integrand at q and p, with the variable of the steps. */
@@ -73,26 +77,32 @@ static tvi_status evaluate(const tvi_record *record, const tvi_integral *of, con
 tvi_status tvi_integrand_at(const tvi_record *record, int index, const double state[], double *value)
 {
     const int N = record->again->stepped->n;
-    return evaluate(record, &record->integrals[index], state, state + N + 1, state[N], value);
+    return evaluate(record, &record->integrals.of[index], state, state + N + 1, state[N], value);
 }
 
-/* Adds the integrals over an integrator's last step. */
+/* Adds the integrals over an integrator's last step. at_nodes has no momenta of a separable system; those at the nodes
+ * are on its curve. */
 static tvi_status add(tvi_record *record, const tvi_integrator *it)
 {
     double theta[TVI_MOST_POINTS], b[TVI_MOST_POINTS];
     const int points = it->stepper->quadrature(it->work, theta, b), N = it->stepped->n;
     const tvi_run_state *start = &it->last_step.start;
-    const tvi_increments *increments = &it->last_step.increments;
+    double *x = it->last_step.increments.dq, *p = it->last_step.increments.dp;
     const double h = it->last_step.h;
     tvi_status status = TVI_OK;
+    it->stepper->at_nodes(it->work, start->q, start->p, record->integrals.nodes,
+                          record->integrals.nodes + N * TVI_MOST_POINTS);
     for (int node = 0; node < points && b[node] != 0; node++) {
-        it->stepper->interpolate(it->work, theta[node], increments->dq, increments->dp);
-        for (int i = 0; i < N; i++) increments->dq[i] += start->q[i], increments->dp[i] += start->p[i];
+        it->stepper->interpolate(it->work, theta[node], x, p);
+        for (int i = 0; i < N; i++) {
+            x[i] = record->integrals.nodes[i * points + node];
+            p[i] += start->p[i];
+        }
         const double variable = start->q[N] + (start->q_low[N] + theta[node] * h);
-        for (size_t k = 0; k < record->counts.integrals.count && status == TVI_OK; k++) {
-            tvi_integral *sum = &record->integrals[k];
+        for (int k = 0; k < record->integrals.count && status == TVI_OK; k++) {
+            tvi_integral *sum = &record->integrals.of[k];
             double l = 0;
-            status = evaluate(record, sum, increments->dq, increments->dp, variable, &l);
+            status = evaluate(record, sum, x, p, variable, &l);
             sum->value = tvi_add_compensated(sum->value, &sum->low, h * b[node] * l, 0);
         }
     }
@@ -102,8 +112,8 @@ static tvi_status add(tvi_record *record, const tvi_integrator *it)
 
 tvi_status tvi_integrals_add_step(tvi_record *record, const tvi_integrator *it)
 {
-    for (size_t k = 0; k < record->counts.integrals.count; k++) {
-        tvi_integral *sum = &record->integrals[k];
+    for (int k = 0; k < record->integrals.count; k++) {
+        tvi_integral *sum = &record->integrals.of[k];
         sum->value_before = sum->value;
         sum->low_before = sum->low;
     }
@@ -112,8 +122,8 @@ tvi_status tvi_integrals_add_step(tvi_record *record, const tvi_integrator *it)
 
 void tvi_integrals_drop_step(tvi_record *record)
 {
-    for (size_t k = 0; k < record->counts.integrals.count; k++) {
-        tvi_integral *sum = &record->integrals[k];
+    for (int k = 0; k < record->integrals.count; k++) {
+        tvi_integral *sum = &record->integrals.of[k];
         sum->value = sum->value_before;
         sum->low = sum->low_before;
     }

@@ -50,10 +50,10 @@ static void *take(tvi_record *record, size_t bytes)
     return NULL;
 }
 
-static size_t told_bytes(const tvi_record *record, const tvi_told *told)
+static size_t told_bytes(const tvi_record *record, bool is_event)
 {
     const size_t state = 2 * (size_t)record->again->system->n + 1;
-    return (told->gradient ? 2 * state + (size_t)tvi_system_parameters(record->again->system) : state) * sizeof(double);
+    return (is_event ? 2 * state + (size_t)tvi_system_parameters(record->again->system) : state) * sizeof(double);
 }
 
 /* Forgets all from the step with this index on. */
@@ -78,14 +78,13 @@ void tvi_record_begin_anew(tvi_record *record)
     forget_from(record, 0);
     for (; record->counts.told.count > 0; record->counts.told.count--) {
         const tvi_told *told = &record->told[record->counts.told.count - 1];
-        record->bytes.taken -= told_bytes(record, told);
+        record->bytes.taken -= told_bytes(record, told->gradient);
         free(told->state);
     }
     record->kept.of.count = 0;
     record->kept.first_step = record->step_count = 0;
     record->time_count = record->event_count = 0;
-    for (size_t k = 0; k < record->counts.integrals.count; k++)
-        record->integrals[k].value = record->integrals[k].low = 0;
+    for (int k = 0; k < record->integrals.count; k++) record->integrals.of[k].value = record->integrals.of[k].low = 0;
 }
 
 tvi_status tvi_record_create(tvi_record **out, const tvi_integrator *it, size_t bytes)
@@ -103,7 +102,7 @@ tvi_status tvi_record_create(tvi_record **out, const tvi_integrator *it, size_t 
     record->kept.most = (long)(record->bytes.most / 2 / (record->state_size * sizeof(double)));
     record->end = calloc(2 * (size_t)it->system->n + 1, sizeof *record->end);
     tvi_status status = record->end ? tvi_integrator_create_like(&record->again, it) : TVI_ENOMEM;
-    if (status == TVI_OK) status = tvi_adjoint_of(it->system->stepped_system, &record->adjoint);
+    if (status == TVI_OK) status = tvi_adjoint_of(it->system, &record->adjoint);
     if (status == TVI_OK && record->kept.most < FEWEST_STEPS)
         status = jet_refuse(TVI_EINVAL, "bytes = %zu is not enough for a record", bytes);
     if (status == TVI_OK) *out = record;
@@ -158,6 +157,8 @@ tvi_status tvi_record_begin_run(tvi_record *record, const tvi_integrator *it)
     if (it->system != again->system || it->options.compiled != again->options.compiled ||
         tvi_options_fingerprint(&it->options) != tvi_options_fingerprint(&again->options))
         return jet_refuse(TVI_EINVAL, "the record was created for another system or other options");
+    /* An integrator that is in no run writes no record, though longjmp may have left its observer. */
+    if (record->writer && record->writer != it) return jet_refuse(TVI_EINVAL, "another run writes the record");
     const size_t n = (size_t)it->system->n;
     const bool has_begun = record->step_count > 0 || record->counts.told.count > 0;
     const bool goes_on = has_begun && tvi_integrator_state_equals(it, record->end[2 * n], record->end, record->end + n);
@@ -167,7 +168,8 @@ tvi_status tvi_record_begin_run(tvi_record *record, const tvi_integrator *it)
     tvi_integrator_load_parameters(record->again, it->parameters, 1);
     const tvi_piece *last = record->counts.pieces.count > 0 ? &record->pieces[record->counts.pieces.count - 1] : NULL;
     record->begins_piece = !last || last->end != TVI_END_AT_STEP;
-    record->is_open = true;
+    record->steps_before_run = record->step_count;
+    record->writer = it;
     return TVI_OK;
 }
 
@@ -229,7 +231,7 @@ tvi_status tvi_record_add_step(tvi_record *record, const tvi_integrator *it)
     if (status == TVI_OK && (begins_piece || record->kept.of.count == 0)) status = add_checkpoint(record, it);
     if (status == TVI_OK) status = add_row(record, it->last_step.h);
     if (status == TVI_OK) status = keep_state(record, it);
-    if (status == TVI_OK && record->counts.integrals.count > 0) status = tvi_integrals_add_step(record, it);
+    if (status == TVI_OK && record->integrals.count > 0) status = tvi_integrals_add_step(record, it);
     if (status != TVI_OK) {
         forget_from(record, record->step_count);
         record->begins_piece = begins_piece;
@@ -242,11 +244,13 @@ tvi_status tvi_record_add_step(tvi_record *record, const tvi_integrator *it)
 
 void tvi_record_drop_step(tvi_record *record)
 {
+    const size_t pieces = record->counts.pieces.count;
     record->step_count--;
     forget_from(record, record->step_count);
     tvi_integrals_drop_step(record);
     record->kept.of.count--;
-    if (record->counts.pieces.count > 0)
+    record->begins_piece = record->counts.pieces.count < pieces;
+    if (!record->begins_piece)
         memcpy(record->pieces[record->counts.pieces.count - 1].end_state,
                record->kept.states + record->state_size * record->kept.of.count,
                record->state_size * sizeof *record->kept.states);
@@ -256,14 +260,21 @@ tvi_status tvi_record_end_run(tvi_record *record, const tvi_integrator *it, tvi_
                               const double q[], const double p[])
 {
     const size_t n = (size_t)it->system->n;
-    if (!record->is_open) return TVI_OK;
-    record->is_open = false;
-    if (record->counts.pieces.count > 0) record->pieces[record->counts.pieces.count - 1].end = end;
+    if (!record->writer) return TVI_OK;
+    record->writer = NULL;
+    if (record->step_count > record->steps_before_run) record->pieces[record->counts.pieces.count - 1].end = end;
     memcpy(record->end, q, n * sizeof *q);
     memcpy(record->end + n, p, n * sizeof *p);
     record->end[2 * n] = t;
-    if (end != TVI_END_AT_EVENT || record->counts.integrals.count == 0) return TVI_OK;
+    if (end != TVI_END_AT_EVENT || record->integrals.count == 0) return TVI_OK;
     return tvi_integrals_cut_step(record, it, record->told[record->counts.told.count - 1].offset);
+}
+
+void tvi_record_mark_exit(tvi_record *record) { record->told[record->counts.told.count - 1].is_exit = true; }
+
+void tvi_record_close(tvi_record *const *record)
+{
+    if (*record) (*record)->writer = NULL;
 }
 
 /* Makes the steps between two checkpoints again, and keeps their states. */
@@ -360,11 +371,10 @@ tvi_status tvi_record_tell(tvi_record *record, const tvi_event *event, bool is_b
     const size_t size = 2 * (size_t)record->again->system->n + 1;
     tvi_told told = {.step = record->step_count - (is_before_step ? 0 : 1),
                      .offset = offset,
-                     .index = event ? record->event_count : record->time_count,
-                     .gradient = event ? record->end : NULL}; /* for told_bytes alone */
+                     .index = event ? record->event_count : record->time_count};
     if (told.step < 0) return jet_refuse(TVI_EUNSUPPORTED, "times[%d] is in a step before the record", told.index);
     tvi_status status = grow(record, (void **)&record->told, &record->counts.told, sizeof *record->told);
-    const size_t bytes = told_bytes(record, &told);
+    const size_t bytes = told_bytes(record, event);
     told.state = status == TVI_OK ? take(record, bytes) : NULL;
     if (!told.state) return TVI_ENOMEM;
     memcpy(told.state, state, size * sizeof *state);

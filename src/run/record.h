@@ -25,6 +25,7 @@ typedef struct {
     double offset;    /* the place in the step, from 0 to its size h */
     int index;        /* among the times, or among the events */
     double *state;    /* [2n + 1] q, p and t */
+    bool is_exit;     /* the event at which a run ended */
     double *gradient; /* [2n + 1 + parameters] of the event function, by q, p, t and the parameters; NULL: a time */
 } tvi_told;
 
@@ -70,20 +71,25 @@ struct tvi_record {
         tvi_grown of;
         long first_step, most;
     } kept;
-    long step_count;
+    long step_count, steps_before_run;
     tvi_checkpoint *checkpoints;
     tvi_piece *pieces;
     tvi_row_of_h *rows;
     tvi_told *told;
     tvi_event_gradient *event_gradients;
-    tvi_integral *integrals;
+    /* [count] The running integrals, and [2N][TVI_MOST_POINTS] a step's q and p at its nodes. */
     struct {
-        tvi_grown checkpoints, pieces, rows, told, event_gradients, integrals;
+        int count;
+        tvi_integral *of;
+        double *nodes;
+    } integrals;
+    struct {
+        tvi_grown checkpoints, pieces, rows, told, event_gradients;
     } counts;
     int time_count, event_count;
-    double *end;       /* [2n + 1] q, p and t at the end of the last run */
-    bool begins_piece; /* the next step begins a piece */
-    bool is_open;      /* a run writes the record */
+    double *end;                  /* [2n + 1] q, p and t at the end of the last run */
+    bool begins_piece;            /* the next step begins a piece */
+    const tvi_integrator *writer; /* the integrator whose run writes the record; NULL: there is none */
     /* The memory that is taken, and what may be taken. */
     struct {
         size_t taken, most;
@@ -102,9 +108,13 @@ TVI_NODISCARD tvi_status tvi_record_tell(tvi_record *record, const tvi_event *ev
                                          const double state[]);
 /* Adds a time at the start of the run. */
 TVI_NODISCARD tvi_status tvi_record_tell_start(tvi_record *record, double t, const double q[], const double p[]);
+/* Marks what was told last as the event at which the run ends. */
+void tvi_record_mark_exit(tvi_record *record);
 /* Says how and where the integrator's run has ended, which the first call of a run decides. */
 TVI_NODISCARD tvi_status tvi_record_end_run(tvi_record *record, const tvi_integrator *integrator, tvi_piece_end end,
                                             double t, const double q[], const double p[]);
+/* Ends the writing of a run that an exception leaves. */
+void tvi_record_close(tvi_record *const *record);
 /* Forgets all that was recorded. */
 void tvi_record_begin_anew(tvi_record *record);
 /* Returns the size h of a step. */

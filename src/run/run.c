@@ -130,13 +130,16 @@ static tvi_status make_next_steps(run_in_progress *running, double *t, double q[
                                                      : make_steps_of_size_h(running, t, q, p);
     const long made = it->stats.steps - before;
     running->step_count += made > 0 ? made : 1; /* a step of no length to t_end is a step to an observer */
+    if (status != TVI_OK) running->is_at_end = false;
     if (status != TVI_OK || made == 0) return status;
     status = tvi_columns_propagate_by_step(it, &running->run->columns);
     if (status == TVI_OK && running->plan->record) {
         status = tvi_record_add_step(running->plan->record, it);
         if (status != TVI_OK) tvi_columns_restore_step_start(it, &running->run->columns);
     }
-    if (status != TVI_OK) tvi_integrator_undo_step(it, t, q, p);
+    if (status == TVI_OK) return TVI_OK;
+    tvi_integrator_undo_step(it, t, q, p);
+    running->is_at_end = false;
     return status;
 }
 
@@ -182,6 +185,7 @@ static tvi_status stop_at_root(const run_in_progress *running, const tvi_event_r
 {
     const size_t n = (size_t)running->integrator->system->n;
     tvi_status status = tvi_events_stop_run(running->events, root);
+    if (running->plan->record) tvi_record_mark_exit(running->plan->record);
     for (int event_index = 0; event_index < running->events->event_count && status == TVI_OK; event_index++) {
         if (!running->events->watched_events[event_index].is_unreported_at_stop) continue;
         status = record_root(running, root, running->plan->events[event_index]);
@@ -254,6 +258,7 @@ static tvi_status report_times_events_and_step(const run_in_progress *running, l
 /* Frees what the run has opened, also where an exception leaves an observer. */
 static void close_events(tvi_event_search **events) { tvi_events_close(*events); }
 static void close_times(tvi_times_progress *times) { tvi_partial_step_close(&times->partial_step); }
+static void close_record(tvi_record **record) { tvi_record_close(record); }
 
 /* An observer that has reset the integrator could step it. */
 static tvi_status refuse_steps_of_observer(const tvi_integrator *it, long steps, tvi_status status)
@@ -272,6 +277,7 @@ static tvi_status make_all_steps(run_in_progress *running, bool continues_last_s
     const bool has_end_time = plan->has_t_end || plan->tolerance > 0 || plan->time_count > 0;
     __attribute__((cleanup(close_times))) tvi_times_progress times = {.integrator = NULL};
     __attribute__((cleanup(close_events))) tvi_event_search *events = NULL;
+    __attribute__((cleanup(close_record))) tvi_record *record = plan->record;
     tvi_status status = tvi_times_open(&times, it, running->run, continues_last_step, *t, q, p);
     const bool has_times = !tvi_times_are_all_reported(&times);
     running->times = has_times ? &times : NULL;
@@ -291,7 +297,7 @@ static tvi_status make_all_steps(run_in_progress *running, bool continues_last_s
     }
     const bool ends_at_time = plan->has_t_end && running->is_at_end;
     const tvi_piece_end end = ends_at_time ? TVI_END_AT_TIME : TVI_END_AT_STEP;
-    const tvi_status recorded = plan->record ? tvi_record_end_run(plan->record, it, end, *t, q, p) : TVI_OK;
+    const tvi_status recorded = record ? tvi_record_end_run(record, it, end, *t, q, p) : TVI_OK;
     return status == TVI_OK ? recorded : status;
 }
 

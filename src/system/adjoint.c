@@ -13,7 +13,8 @@
 /* What is recorded. */
 typedef struct {
     const tvi_system *base;
-    tvi_form form; /* of the lift */
+    int parameters; /* those of the user's system */
+    tvi_form form;  /* of the lift */
     int integral_count;
     const tvi_integrand *integrands;
     /* What is recorded beside the lift, jets of its graph: S_c and S_t [parameters + 1], H_c [parameters]. */
@@ -68,8 +69,7 @@ static bool record_integrand(const system_recording *recording, const adjoint_st
     const bool recorded = jet_record_forward_derivatives(of->integrands[k].graph, graph, input, input + inputs, NULL, 1,
                                                          &of->integrands[k].output, &value, &rate);
     free(input);
-    *term = recorded ? jet_mul(jet_graph_record_parameter(graph, tvi_system_parameters(of->base) + k, 0), value)
-                     : jet_const(0);
+    *term = recorded ? jet_mul(jet_graph_record_parameter(graph, of->parameters + k, 0), value) : jet_const(0);
     return recorded;
 }
 
@@ -126,7 +126,7 @@ static tvi_status record_adjoint(system_recording *recording, const system_state
     const tvi_system *base = of->base;
     tvi_system *system = recording->system;
     jet_graph *graph = system->record.graph;
-    const int parameters = tvi_system_parameters(base), N = system->n;
+    const int parameters = of->parameters, N = system->n;
     const int inputs = of->form == TVI_SEPARABLE ? N : 2 * N;
     system->form = of->form;
     system->is_regular = base->is_regular;
@@ -149,7 +149,7 @@ static tvi_status record_adjoint(system_recording *recording, const system_state
 
 static tvi_status record_with_tapes(tvi_adjoint *adjoint, adjoint_statement *of)
 {
-    const int N = 2 * of->base->n, parameters = tvi_system_parameters(of->base);
+    const int N = 2 * of->base->n, parameters = of->parameters;
     const system_statement statement = {
         .record = record_adjoint, .base = of->base, .has_velocities = of->form != TVI_SEPARABLE, .ctx = of};
     const tvi_status status = tvi_system_record(&adjoint->lift, N, &statement);
@@ -165,10 +165,12 @@ static tvi_status record_with_tapes(tvi_adjoint *adjoint, adjoint_statement *of)
 tvi_status tvi_adjoint_create(tvi_adjoint **out, const tvi_system *system, int integral_count,
                               const tvi_integrand integrands[])
 {
+    const tvi_system *base = system->stepped_system;
     const size_t parameters = (size_t)tvi_system_parameters(system);
-    const bool is_field = system->form == TVI_HAMILTONIAN || (system->form == TVI_SEPARABLE && integral_count > 0);
-    adjoint_statement of = {.base = system,
-                            .form = is_field ? TVI_FIELD : system->form,
+    const bool is_field = base->form == TVI_HAMILTONIAN || (base->form == TVI_SEPARABLE && integral_count > 0);
+    adjoint_statement of = {.base = base,
+                            .parameters = (int)parameters,
+                            .form = is_field ? TVI_FIELD : base->form,
                             .integral_count = integral_count,
                             .integrands = integrands};
     tvi_adjoint *adjoint = calloc(1, sizeof *adjoint);
@@ -194,7 +196,7 @@ void tvi_adjoint_free(tvi_adjoint *adjoint)
 /* Of several threads that record it at once, the first one keeps it. */
 tvi_status tvi_adjoint_of(const tvi_system *system, const tvi_adjoint **out)
 {
-    tvi_adjoint **kept = &((tvi_system *)system)->record.adjoint, *adjoint, *before = NULL;
+    tvi_adjoint **kept = &system->stepped_system->record.adjoint, *adjoint, *before = NULL;
     *out = __atomic_load_n(kept, __ATOMIC_ACQUIRE);
     if (*out) return TVI_OK;
     const tvi_status status = tvi_adjoint_create(&adjoint, system, 0, NULL);

@@ -7,7 +7,7 @@
 
 #include "system/integrand.h"
 
-/* The adjoint system of a system with n coordinates and P parameters. */
+/* The adjoint system of a system that is stepped, with n coordinates, and the user's P parameters. */
 typedef struct tvi_adjoint {
     /* The system and its multipliers, in 2n coordinates. Its form, coordinates and momenta:
      *     of a separable system  separable   (q, w)   (p, r)      w = a_p, r = -a_q
@@ -24,12 +24,11 @@ typedef struct tvi_adjoint {
     jet_tape *energy_by_parameters;
 } tvi_adjoint;
 
-/* Creates the adjoint of a system that is stepped, and without constraints, with the integrands of running integrals.
- */
+/* Creates the adjoint of what is stepped of a system without constraints, with the integrands of running integrals. */
 TVI_NODISCARD tvi_status tvi_adjoint_create(tvi_adjoint **out, const tvi_system *system, int integral_count,
                                             const tvi_integrand integrands[]);
-/* Returns the adjoint without integrals. It is recorded once, and kept with the system, also if several threads ask for
- * it. */
+/* Returns the adjoint without integrals. It is recorded once, and kept with what is stepped, also if several threads
+ * ask for it. */
 TVI_NODISCARD tvi_status tvi_adjoint_of(const tvi_system *system, const tvi_adjoint **out);
 void tvi_adjoint_free(tvi_adjoint *adjoint);
 

@@ -5,7 +5,7 @@
 #include "columns.h"
 
 Suite *suite_gradient(void), *suite_integrals(void);
-TCase *tcase_exact(void);
+TCase *tcase_exact(void), *tcase_sequences(void);
 
 /* The systems of columns.h, and then a double pendulum, a driven Lagrangian, a force that depends on the time, and
  * Kepler's problem in steps of K. */

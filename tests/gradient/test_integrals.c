@@ -58,15 +58,16 @@ static double run_from(const columns_run *run, const start *x, tvi_record *recor
 
 START_TEST(beside_differences)
 {
-    const int problem = _i / ENDS;
-    const end at = (end)(_i % ENDS);
+    const int orders[] = {2, 4, 6}, more = _i - ENDS * GRADIENT_PROBLEMS;
+    const int problem = more < 0 ? _i / ENDS : GRADIENT_TIME, order = more < 0 ? 0 : orders[more];
+    const end at = more < 0 ? (end)(_i % ENDS) : AFTER_STEPS;
     columns_run run;
     tvi_record *record;
     tvi_event *event;
     const double by_integrals[] = {0.7, -1.3};
     double by_end[2 * COLUMNS_MOST_N + 1] = {0.3}, by_start[2 * COLUMNS_MOST_N + 1];
     double by_parameters[COLUMNS_MOST_PARAMETERS], largest = 0;
-    columns_open(&run, gradient_problem(problem), NULL, 0);
+    columns_open(&run, gradient_problem(problem), order > 0 ? "galerkin" : NULL, order);
     const int n = run.n, parameters = run.rows - 2 * n;
     ck_assert_int_eq(tvi_record_create(&record, run.it, 0), TVI_OK);
     ck_assert_msg(tvi_record_integral(record, work, &run.n) == TVI_OK, "%s", tvi_last_error());
@@ -180,7 +181,7 @@ Suite *suite_integrals(void)
 {
     Suite *suite = suite_create("integrals");
     TCase *c = tcase_create("integrals");
-    tcase_add_loop_test(c, beside_differences, 0, ENDS * GRADIENT_PROBLEMS);
+    tcase_add_loop_test(c, beside_differences, 0, ENDS * GRADIENT_PROBLEMS + 3);
     tcase_add_test(c, values);
     tcase_add_test(c, refusals);
     suite_add_tcase(suite, c);
