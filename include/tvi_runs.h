@@ -186,11 +186,11 @@ typedef struct {
  *     D, if there is one, has to be what this run left.
  * If a step or a column of D fails, t, q, p and D are those after the last step that did not.
  *   TVI_EINVAL        NULL; a plan of two modes, or whose members contradict each other, which tvi_last_error names;
- *                     another size; what the function above for its mode refuses; a record of another system or other options, or
- *                     that another run writes
+ *                     another size; what the function above for its mode refuses; a record of another system or
+ *                     other options, or that another run writes
  *   TVI_EUNSUPPORTED  a tolerance with another method than "taylor", or a rescaled system; columns_at_once where it
- *                     does not serve, and in an ensemble
- *   TVI_EUNSUPPORTED  also a record in a run to a tolerance, or whose parameters have changed since it began
+ *                     does not serve, and in an ensemble; a record in a run to a tolerance, or with other parameters
+ *                     than those with which it began
  *   TVI_ENONFINITE    also D that is not finite, before or after a step
  *   TVI_ESTOPPED      an observer or a terminal event ended the run
  *   TVI_ENOMEM        no memory; also a record that is full

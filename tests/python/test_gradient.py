@@ -1,9 +1,17 @@
 """Gradients of runs in Python: against differences, in shapes and names, and refusals."""
 
+import pickle
 import unittest
 
 import numpy as np
 import tvi
+
+
+def spring(q, k):
+    return k * q[0]**2 / 2
+
+
+SPRING = tvi.potential(1, spring, k=4.0)
 
 
 def chain(n):
@@ -99,6 +107,21 @@ class Gradients(unittest.TestCase):
         g = run.gradient(integrals=[0, 1])
         self.assertAlmostEqual(g.k, 9 * np.cos(3 * w) / 2, places=11)
 
+    def test_a_record_that_is_full(self):
+        kepler = tvi.potential(2, lambda q, mu: -mu / np.sqrt(q @ q), mu=1.0)
+        run = tvi.solve(kepler, (0, 1e5), [1, 0], [0, 0.8], h=0.1, gradient=40000)
+        self.assertEqual((run.status, 0 < run.t_end < 1e5), (-1, True))
+        self.assertIn("the record is full", run.message)
+        whole = tvi.solve(kepler, (0, run.t_end), [1, 0], [0, 0.8], h=0.1, gradient=True)
+        self.assertAlmostEqual(run.gradient(q_end=[1, 0]).mu / whole.gradient(q_end=[1, 0]).mu, 1, places=6)
+
+    def test_pickles(self):
+        run = tvi.solve(SPRING, (0, 1), [1], p0=0, h=0.1, gradient=True)
+        again = pickle.loads(pickle.dumps(run))
+        np.testing.assert_array_equal(again.q, run.q)
+        with self.assertRaisesRegex(TypeError, "gradient=True"):
+            again.gradient(q_end=[1])
+
     def test_refusals(self):
         spring = tvi.potential(1, lambda q, k: k * q[0]**2 / 2, k=4.0)
         general = tvi.hamiltonian(1, lambda q, p: p[0]**2 / 2 + q[0] * p[0] + q[0]**2)
@@ -117,6 +140,10 @@ class Gradients(unittest.TestCase):
         run = tvi.solve(spring, *start, p0=0, h=0.1, gradient=True)
         with self.assertRaisesRegex(TypeError, "give t_eval"):
             run.gradient(q=[[1]])
+        with self.assertRaisesRegex(TypeError, "integrals is a function of"):
+            tvi.solve(spring, *start, p0=0, h=0.1, integrals=3)
+        with self.assertRaisesRegex(TypeError, "gradient is a whole number, not str"):
+            tvi.solve(spring, *start, p0=0, h=0.1, gradient="yes")
         with self.assertRaisesRegex(TypeError, "t_end= is for a run that an event ended"):
             run.gradient(t_end=1)
         with self.assertRaisesRegex(ValueError, "events has 1 entries, and the run has 0 functions"):

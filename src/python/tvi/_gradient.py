@@ -6,20 +6,33 @@ from typing import Any, Callable, Iterable
 
 import numpy as np
 
-from ._arrays import numbers, pointer
+from ._arrays import integer, number, numbers, pointer
 from ._functions import Function, scalar
 from ._library import Guard, Handle, check, ffi, lib, make
 from ._systems import System
 
 
+def integrands_of(given: Any) -> list:
+    """The functions of running integrals: one or several."""
+    if not callable(given) and not isinstance(given, (list, tuple)):
+        kind = type(given).__name__
+        raise TypeError(f"integrals is a function of (q, p) or (q, p, t), or a list of them, not {kind}")
+    return [given] if callable(given) else list(given)
+
+
+def record_size(gradient: Any) -> int:
+    """The bytes of a record by the argument gradient=: 0 stands for the library's own number."""
+    return 0 if gradient is True or gradient is False else integer("gradient", gradient, 1, 2**62)
+
+
 class Record:
     """What the runs of an integrator leave behind for their gradients; integrands: l(q, p) or l(q, p, t)."""
 
-    def __init__(self, integrator: Any, integrands: "Callable | Iterable[Callable]"):
-        made = make("tvi_record", lambda out: lib.tvi_record_create(out, integrator._handle.pointer, 0))
+    def __init__(self, integrator: Any, size: int, integrands: "Callable | Iterable[Callable]"):
+        made = make("tvi_record", lambda out: lib.tvi_record_create(out, integrator._handle.pointer, size))
         self.handle = Handle(made, lib.tvi_record_free).own(self)
         self._system = integrator.system  # outlives the record
-        several = [integrands] if callable(integrands) else list(integrands)
+        several = integrands_of(integrands)
         self.integral_count = len(several)
         for index, l in enumerate(several):
             guard = Guard()
@@ -90,7 +103,7 @@ def gradient_of(result: Any, given: dict[str, Any]) -> Gradient:
         raise TypeError("t_end= is for a run that an event ended: the end of this one is at a time that was given")
     loss = ffi.new("tvi_loss *")
     end = np.concatenate([_row("q_end", given["q_end"], n), _row("p_end", given["p_end"], n),
-                          [0.0 if given["t_end"] is None else float(given["t_end"])]])
+                          [0.0 if given["t_end"] is None else number("t_end", given["t_end"])]])
     kept = [end]
     loss.end, loss.size = pointer(end), ffi.sizeof("tvi_loss")
     if given["q"] is not None or given["p"] is not None:

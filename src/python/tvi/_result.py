@@ -158,6 +158,10 @@ class Result:
         return max(_relative(self.q_end - again.q_end, self.q, again.q),
                    _relative(self.p_end - again.p_end, self.p, again.p))
 
+    def __getstate__(self) -> dict[str, Any]:
+        """A pickle has no record: it keeps what the run told, and no gradient()."""
+        return {**self.__dict__, "_record": None}
+
     def __repr__(self) -> str:
         return as_text(f"tvi result: {self.message}", self._rows())
 

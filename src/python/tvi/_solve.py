@@ -12,7 +12,7 @@ import numpy as np
 from ._arguments import answered, start_of_one
 from ._arrays import Array, copied, fraction, numbers, step_size
 from ._events import Recorded, events_of, found
-from ._gradient import Record, check_arguments
+from ._gradient import Record, check_arguments, integrands_of, record_size
 from ._integrator import Integrator
 from ._jacobian import Columns, require_steps
 from ._library import Error, Interrupted
@@ -77,6 +77,11 @@ class Run:
             if it.system.constraints and it.stats.steps == 0 and error.status in ("EINVAL", "ESINGULAR"):
                 raise  # The constraints refuse the start.
             self.result.status, self.result.message = -1, f"a step was refused at t = {it.t}: {error}."
+        except MemoryError as error:
+            if "the record is full" not in str(error):
+                raise
+            self.result.status = -1
+            self.result.message = f"the run ended at t = {it.t}: {error}: give more as gradient=."
         except KeyboardInterrupt:
             self.result.status, self.result.message = -2, f"interrupted at t = {it.t}"
             raise
@@ -167,7 +172,7 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
           error: float | None = None, tolerance: float | None = None, largest_step: float | None = None,
           method: "str | Method" = "galerkin", order: int = 16, t_eval: Array = None, events: Any = (),
           dense_output: bool = False, compiled: "bool | str | Compiled" = "auto", progress: "bool | Callable" = False,
-          gradient: bool = False, integrals: Any = (), jacobian: "str | list[str] | None" = None,
+          gradient: "bool | int" = False, integrals: Any = (), jacobian: "str | list[str] | None" = None,
           **parameters: Any) -> Result:
     """A run from t_span[0] to t_span[1], either way, from q0 [n], and p0 or v0 [n], one of them; 0: at rest.
 
@@ -181,11 +186,12 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
     more than 10000 steps after every k-th. events: tvi.event, or functions g(q, p) or g(q, p, t), one or a list.
     dense_output: the result has sol(t). compiled: False; True; what tvi.compile made; "auto": compiled where there is
     a compiler and so many steps are made that it gains (steps times n from 1e8 on). progress: True draws a bar on a
-    terminal; a function is called with t and the part that is done. gradient: the result has gradient(), with h and
-    "galerkin" or "stormer-verlet" alone. integrals: functions l(q, p) or l(q, p, t) whose integrals over the time the
-    result has as `integrals`, with h and "galerkin". jacobian, with h and t_eval: names of parameters, "q0", and "p0"
-    or "v0", whichever was given; the result's by.k [time, 2n, ...] then is the derivative of q and p at these times by
-    k, exact for the steps that were made. parameters: values of those of the system.
+    terminal; a function is called with t and the part that is done. gradient: True, or the bytes that its memory may
+    take: the result has gradient(), with h and "galerkin" or "stormer-verlet" alone. integrals: functions l(q, p) or
+    l(q, p, t) whose integrals over the time the result has as `integrals`, with h and "galerkin". jacobian, with h and
+    t_eval: names of parameters, "q0", and "p0" or "v0", whichever was given; the result's by.k [time, 2n, ...] then is
+    the derivative of q and p at these times by k, exact for the steps that were made. parameters: values of those of
+    the system.
 
     A step that is refused ends the run: status -1, with the text of tvi_last_error in the message, and what was
     reached. Raises tvi.Error where there is no run at all, as for a method that does not serve the system, an error
@@ -210,6 +216,7 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
     h, error, tolerance = steps_of(system, t_end - t, h, error, tolerance, largest_step)
     times = _times(t_eval, t, t_end)
     method = method_to(tolerance, system, method, order)
+    integrals = integrands_of(integrals)
     if gradient or integrals:
         check_arguments(system, h is not None, v0, has_callbacks)
     q0, p0, v0 = start_of_one("q0 p0 v0", system, q0, p0, v0)
@@ -232,7 +239,7 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
     result = Result(it, way, h or math.nan, measured)
     result._callbacks = [one for one in several if one.callback]
     if gradient or integrals:
-        it._record = result._record = Record(it, integrals)
+        it._record = result._record = Record(it, record_size(gradient), integrals)
     run = Run(it, result, way, t_end, progress)
     run.columns = columns
     if times is None or dense_output:
