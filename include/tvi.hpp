@@ -655,6 +655,18 @@ class integrator
         all.rethrow();
         return detail::ended(status);
     }
+    /* Does the same with tvi_run_chaos. Without D in the plan `chaos` begins anew. */
+    template <class Q, class P, class On_event = detail::no_observer, class At_time = detail::no_observer,
+              class At_step = detail::no_observer>
+    bool run_chaos(const tvi_run_plan &plan, tvi_chaos &chaos, double &t, Q &q, P &p, On_event on_event = On_event(),
+                   At_time at_time = At_time(), At_step at_step = At_step())
+    {
+        detail::plan_observers<On_event, At_time, At_step> all(on_event, at_time, at_step);
+        const tvi_run_plan told = all.in(plan);
+        const tvi_status status = tvi_run_chaos(get(), &told, &chaos, &t, of("q", q), of("p", p));
+        all.rethrow();
+        return detail::ended(status);
+    }
 
     /* The text of the last step's state (tvi_state_to_text), and its reading; `last` returns what was read. */
     std::string save() const

@@ -239,6 +239,7 @@ TVI_NODISCARD tvi_status tvi_suggest_step(const tvi_system *system, const tvi_op
 #if defined(__GNUC__)
 #pragma GCC visibility pop
 #endif
+#include "tvi_chaos.h"
 #include "tvi_ensemble.h"
 #include "tvi_gradient.h"
 

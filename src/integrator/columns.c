@@ -35,22 +35,28 @@ struct tvi_columns_at_once {
     size_t bytes, counted_bytes; /* what it has, and what the integrator has counted of it */
 };
 
-tvi_status tvi_at_once_check(const tvi_integrator *it)
+/* Says what columns_at_once does not serve, or NULL. */
+static const char *find_unsupported(const tvi_integrator *it)
 {
     const tvi_descriptor *method = tvi_find_method(&it->options);
     const bool is_separable = it->stepped->form == TVI_SEPARABLE;
-    const char *const unsupported =
-        it->system->constraints ? "a constrained system: leave it out"
-        : tvi_steps_K(it)
-            ? "K = g (H + e): take the reversible form, tvi_system_rescaled_reversible (rescaled(g, reversible=True)), "
-              "or leave it out"
-        : it->stepped->form == TVI_LAGRANGIAN
-            ? "a Lagrangian whose momenta are no masses times velocities: state the Hamiltonian, or leave it out"
-        : it->options.compose_adjoint || method->needs_conjugate_momenta
-            ? "this method: it serves \"galerkin\", and for constant masses \"stormer-verlet\" and \"taylor\""
-        : !is_separable && !(method->supports->form_mask & TVI_SUPPORTS_FIELD)
-            ? "this method for a Hamiltonian that is not separable: it serves \"galerkin\""
-            : NULL;
+    return it->system->constraints ? "a constrained system: leave it out"
+           : tvi_steps_K(it) ? "K = g (H + e): take the reversible form, tvi_system_rescaled_reversible (rescaled(g, "
+                               "reversible=True)), or leave it out"
+           : it->stepped->form == TVI_LAGRANGIAN
+               ? "a Lagrangian whose momenta are no masses times velocities: state the Hamiltonian, or leave it out"
+           : it->options.compose_adjoint || method->needs_conjugate_momenta
+               ? "this method: it serves \"galerkin\", and for constant masses \"stormer-verlet\" and \"taylor\""
+           : !is_separable && !(method->supports->form_mask & TVI_SUPPORTS_FIELD)
+               ? "this method for a Hamiltonian that is not separable: it serves \"galerkin\""
+               : NULL;
+}
+
+bool tvi_at_once_serves(const tvi_integrator *it) { return !find_unsupported(it); }
+
+tvi_status tvi_at_once_check(const tvi_integrator *it)
+{
+    const char *const unsupported = find_unsupported(it);
     return unsupported ? jet_refuse(TVI_EUNSUPPORTED, "columns_at_once does not serve %s", unsupported) : TVI_OK;
 }
 

@@ -7,7 +7,9 @@
 
 typedef struct tvi_columns_at_once tvi_columns_at_once;
 
-/* Refuses a system or a method whose columns cannot be moved at once. */
+/* Tells whether columns of this system and method can be moved at once. */
+bool tvi_at_once_serves(const tvi_integrator *integrator);
+/* Refuses a system or a method whose columns cannot. */
 TVI_NODISCARD tvi_status tvi_at_once_check(const tvi_integrator *integrator);
 /* Gives *at_once memory for D [2n + parameters][count], and counts it in the integrator's. Columns of the same number
  * that move no other parameters keep their memory and their history. On failure *at_once is NULL. */

@@ -4,7 +4,7 @@
 
 #include "columns.h"
 
-Suite *suite_gradient(void), *suite_integrals(void);
+Suite *suite_gradient(void), *suite_integrals(void), *suite_chaos(void);
 TCase *tcase_exact(void), *tcase_sequences(void);
 
 /* The systems of columns.h, and then a double pendulum, a driven Lagrangian, a force that depends on the time, and

@@ -238,7 +238,11 @@ static void plans()
     plan.t_end = 4;
     expect("as it is", orbit.run(plan, t, q, p) && t == 4);
     const auto seven = [](int, int, double, const double *, const double *) { throw 7; };
+    tvi_chaos chaos = {};
     plan.t_end = 20;
+    expect("chaos throws", throws_seven([&] { orbit.run_chaos(plan, chaos, t, q, p, seven); }));
+    expect("chaos", orbit.run_chaos(plan, chaos, t, q, p) && t == 20 && chaos.steps > 0 && D[0] != 0);
+    plan.t_end = 40;
     expect("an event throws", throws_seven([&] { orbit.run(plan, t, q, p, seven); }));
     expect("contradicts", throws([&] { orbit.run(tvi_run_plan(), t, q, p); }, TVI_EINVAL, "h is 0"));
     tvi::ensemble two(orbit.system(), 2);

@@ -8,7 +8,7 @@ from problems import CC, LIBRARY, ROOT
 from tvi import _declarations, _library, rigid
 from tvi._library import ffi
 
-STRUCTURES = ("jet", "tvi_options", "tvi_compiler", "tvi_stats", "tvi_run_plan", "tvi_bodies", "tvi_orbit",
+STRUCTURES = ("jet", "tvi_options", "tvi_compiler", "tvi_stats", "tvi_run_plan", "tvi_chaos", "tvi_bodies", "tvi_orbit",
               "tvi_rigid_body", "tvi_joint", "tvi_rigid", "tvi_rigid_motion")
 
 # Functions that the module has no need of: tvi_run makes these runs, and Python has its own way for the others.

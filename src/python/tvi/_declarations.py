@@ -61,6 +61,12 @@ typedef struct {
 } tvi_run_plan;
 
 typedef struct {
+    double lyapunov, megno, y, growth, time, t_start;
+    long steps;
+    size_t size;
+} tvi_chaos;
+
+typedef struct {
     const double *end, *at_times, *at_events, *integrals;
     size_t size;
 } tvi_loss;
@@ -177,6 +183,8 @@ tvi_status tvi_step_tangent(tvi_integrator *integrator, double h, double *t, dou
                             int columns);
 tvi_status tvi_dense(tvi_integrator *integrator, double theta, double q[], double p[]);
 tvi_status tvi_run(tvi_integrator *integrator, const tvi_run_plan *plan, double *t, double q[], double p[]);
+tvi_status tvi_run_chaos(tvi_integrator *integrator, const tvi_run_plan *plan, tvi_chaos *chaos, double *t, double q[],
+                         double p[]);
 void tvi_integrator_reset(tvi_integrator *integrator);
 const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);
 tvi_status tvi_state_peek(const char *text, size_t size, int *n, double *t, double q[], double p[]);
