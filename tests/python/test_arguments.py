@@ -189,7 +189,7 @@ class Arguments(unittest.TestCase):
                 with self.subTest(name, number=number):
                     given = (0.1, 1) if number in (7, 8, 9, 10, 12) else ()
                     self.refused(TypeError, (f"has no argument {name}: ", text), call, *given, **{name: 1})
-        for call, name in ((tvi.solve, "q"), (tvi.solve, "members"), (tvi.Integrator, "q0"), (tvi.megno, "error"),
+        for call, name in ((tvi.solve, "q"), (tvi.solve, "members"), (tvi.Integrator, "q0"), (tvi.megno, "tolerance"),
                            (tvi.ensemble, "dense_output"), (it.run, "progress")):
             self.refused(TypeError, f"has no argument {name}: it has ", call, **{name: 1})
 

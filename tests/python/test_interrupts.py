@@ -130,6 +130,9 @@ class Interrupts(unittest.TestCase):
         with self.assertRaises(tvi.Interrupted) as raised, Pressed():
             tvi.megno(spring(), (0, 1e9), [[1]] * 50, p0=0, h=0.25)
         self.assertEqual(raised.exception.result.shape, (50,))
+        with self.assertRaises(tvi.Interrupted) as raised, Pressed():
+            tvi.megno(spring(), (0, 1e9), [1], p0=0, h=0.25)
+        self.assertIsInstance(raised.exception.result, float)
 
     def test_callbacks(self):
         """In a function that is recorded, in an event, and in observers: nothing is made, and the next call works."""

@@ -7,12 +7,13 @@ rigid bodies and joints. docs/python.md is the way in, include/tvi.h the referen
 
 from . import gravity, rigid
 from ._alike import Stats
+from ._chaos import lyapunov, megno
 from ._ensemble import Ensemble
 from ._events import Event, Found, event
 from ._integrator import Integrator, peek
 from ._jets import Jet, erf
 from ._library import Error, Interrupted, __version__
-from ._many import EnsembleResult, ensemble, lyapunov, megno
+from ._many import EnsembleResult, ensemble
 from ._methods import Compiled, Method, compile, suggest_step, taylor_order, write_compiled
 from ._result import Result
 from ._solve import solve

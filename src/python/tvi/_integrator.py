@@ -46,6 +46,7 @@ class Integrator(Made):
         self._at_once = False  # Runs move all columns of the tangent at once.
         self._busy = Busy("integrator")
         self._record: Any = None  # of a run whose gradient is wanted (_gradient.py)
+        self._chaos: Any = None  # of runs with the exponent and MEGNO of `tangent`, one column (_chaos.py)
         self.t, self.q = t, q
         values = system.values(parameters)
         options = ffi.new("tvi_options *", self.method._options[0])
@@ -281,13 +282,18 @@ class Integrator(Made):
         is_counted = self._is_counted(way)
         if after_step is not None or not is_counted or functions.get("on_event"):
             observers.hear(plan, after_step)
-        course = Course(way, plan, lambda: lib.tvi_run(self._handle.pointer, plan, self._t.pointer, self._q.pointer,
-                                                       self._p.pointer), lambda: self._t.array, is_counted, **cuts)
+        course = Course(way, plan, lambda: self._call(plan), lambda: self._t.array, is_counted, **cuts)
         with self._busy.running():
             try:
                 return ended(course.run(), guard, self.system, way)
             except KeyboardInterrupt:
                 raise Interrupted(f"interrupted at t = {self.t}", self) from None
+
+    def _call(self, plan: Any) -> int:
+        state = self._t.pointer, self._q.pointer, self._p.pointer
+        if self._chaos is not None:
+            return lib.tvi_run_chaos(self._handle.pointer, plan, self._chaos, *state)
+        return lib.tvi_run(self._handle.pointer, plan, *state)
 
     def dense(self, theta: float) -> tuple[np.ndarray, np.ndarray]:
         """q and p at the part theta, 0 to 1, of the last step, on the step's own curve; of lower order than the step

@@ -1,23 +1,23 @@
-"""tvi.ensemble: a run of many orbits, and all that it gives; lyapunov and megno: order and chaos of one or many."""
+"""tvi.ensemble: a run of many orbits, and all that it gives."""
 
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Iterator
+from typing import Any, Callable
 
 import numpy as np
 
 from ._alike import Stats
 from ._arguments import answered, starts_of_many
-from ._arrays import Array, integer, spread
+from ._arrays import Array, spread
 from ._ensemble import Ensemble
 from ._events import Found, Recorded, events_of, found
-from ._library import Interrupted, check
+from ._library import Interrupted
 from ._methods import Compiled, Method, measured_step, method_to
 from ._recorder import Progress
-from ._runs import Course, Way, advice, new_plan
+from ._runs import Way, advice
 from ._shown import as_html, as_text
-from ._solve import _times, span_of, step_of, steps_of
+from ._solve import _times, span_of, steps_of
 from ._systems import System
 
 
@@ -156,102 +156,3 @@ def _why(orbits: Ensemble, way: Way) -> str:
     """What to do about members whose steps were too large."""
     is_too_large = np.isin(orbits.status, ("ENOCONV", "ETOOLARGE")).any()
     return advice(orbits.system, way) if is_too_large else ""
-
-
-# ---- Order and chaos -------------------------------------------------------------------------------------------------
-
-
-def _growth(orbits: Ensemble, h: float, t_end: float, every: int, w0: Array) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """The times of the members since the start, and ln of the growth of their tangent vectors in the steps between."""
-    n, start = orbits.system.n, orbits.t.copy()
-    rows = 2 * n + orbits.system._count
-    unit = np.ones((rows, 1))  # of dq, and of the momenta dp of velocities of 1
-    unit[n:2 * n, 0] = orbits.system.masses
-    w = np.zeros((orbits.members, rows, 1))
-    w[:, :2 * n, 0] = spread("w0", unit[:2 * n, 0] if w0 is None else w0, orbits.members, 2 * n)
-    length = np.sqrt(((w / unit)**2).sum(axis=1, keepdims=True))
-    if not (length > 0).all():
-        raise ValueError("w0 is 0")
-    orbits.tangent = w / length
-    tangent = orbits._tangent.array
-    way = Way(h, every, None, None, None)
-    plan = new_plan(way, None, orbits._tangent)
-    course = Course(way, plan, lambda: orbits._call(plan), orbits._going_times, True)
-    while (going := (orbits._codes == 0) & ((t_end - orbits.t) / h > 1e-9)).any():
-        steps = every
-        if not orbits.system.is_rescaled:
-            steps = min(every, max(1, math.ceil(float(np.max((t_end - orbits.t[going]) / h)) - 1e-9)))
-        check(course.make_steps(steps))
-        length = np.sqrt(((tangent / unit[..., None])**2).sum(axis=(0, 1)))
-        tangent /= length
-        yield orbits.t - start, np.where(orbits._codes == 0, np.log(length), 0.0)
-
-
-def _chaos(system: System, t_span: Array, q0: Array, p0: Array, v0: Array, h: float, method: Any, order: int,
-           every: int, w0: Array, threads: int, parameters: dict[str, Any], add: Callable) -> Any:
-    """The value of each member after add(t, ln) was called for all steps; a number where q0 is one state."""
-    t, t_end = span_of(system, t_span)
-    h = step_of(system, t_end - t, h)
-    if t == t_end:
-        raise ValueError("t_span has no length")
-    orbits = _orbits(system, q0, p0, v0, parameters, t=t, method=method, order=order, threads=threads)
-    value = np.full(orbits.members, np.nan)
-    try:
-        for times, logarithms in _growth(orbits, h, t_end, integer("every", every, 1), w0):
-            with np.errstate(all="ignore"):  # of members that fail in their first step
-                value = add(times, logarithms)
-    except KeyboardInterrupt:
-        raise Interrupted(f"interrupted at t = {float(orbits.t.max())}", value) from None
-    value = np.where(orbits.status == "OK", value, np.nan)
-    is_one = np.ndim(q0) == 1 and orbits.members == 1
-    return float(value[0]) if is_one else value
-
-
-@answered
-def lyapunov(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array = None, *, h: float,
-             method: "str | Method" = "galerkin", order: int = 16, every: int = 1, w0: Array = None, threads: int = 0,
-             **parameters: Any) -> Any:
-    """The largest Lyapunov exponent over t_span, ln(d / d_0) / t of a tangent vector: falls like ln(t) / t on regular
-    orbits.
-
-    q0, and p0 or v0: [n] for a number, [member, n] for [member], 0 for rest; nan where a member failed. h: the step.
-    The vector starts along w0 [2n], (dq, dp), and is brought back to length 1 after every so many steps; its length is
-    that of (dq, dv), dv = dp / m. None: all of these are 1.
-
-    >>> import tvi
-    >>> spring = tvi.potential(1, lambda q: q[0]**2 / 2)
-    >>> abs(tvi.lyapunov(spring, (0, 100), [1], p0=0, h=0.5)) < 0.01
-    True
-    """
-    total = 0.0
-
-    def add(t: np.ndarray, logarithms: np.ndarray) -> np.ndarray:
-        nonlocal total
-        total = total + logarithms
-        return total / t
-
-    return _chaos(system, t_span, q0, p0, v0, h, method, order, every, w0, threads, parameters, add)
-
-
-@answered
-def megno(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array = None, *, h: float,
-          method: "str | Method" = "galerkin", order: int = 16, every: int = 1, w0: Array = None, threads: int = 0,
-          **parameters: Any) -> Any:
-    """MEGNO over t_span: tends to 2 on regular orbits, and grows like lambda t / 2 on chaotic ones (docs/chaos.md).
-    All else as for lyapunov().
-
-    >>> import numpy as np, tvi
-    >>> pendulum = tvi.potential(1, lambda q: -np.cos(q[0]))
-    >>> 1.5 < tvi.megno(pendulum, (0, 1000), [1], p0=0, h=0.5) < 2.2
-    True
-    """
-    before, sums, mean = 0.0, 0.0, 0.0
-
-    def add(t: np.ndarray, logarithms: np.ndarray) -> np.ndarray:
-        nonlocal before, sums, mean
-        sums = sums + t * logarithms
-        mean = mean + (t - before) * 2 * sums / t
-        before = t.copy()
-        return mean / t
-
-    return _chaos(system, t_span, q0, p0, v0, h, method, order, every, w0, threads, parameters, add)
