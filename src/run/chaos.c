@@ -32,25 +32,26 @@ static double find_mass(const tvi_system *system, int i)
     return system->form == TVI_SEPARABLE || system->has_masses ? system->mass[i] : 1;
 }
 
-/* Returns component i of (dq, dv). */
-static double find_component(const tvi_system *system, const double D[], int i)
+/* Returns the sum of the squares of (dq, dv), of all numbers times a power of two. */
+static double sum_squares(const tvi_system *system, const double D[], double power)
 {
-    return i < system->n ? D[i] : D[i] / find_mass(system, i - system->n);
+    const int n = system->n;
+    const bool has_masses = system->form == TVI_SEPARABLE || system->has_masses;
+    double square = 0;
+    for (int i = 0; i < n; i++) square += (D[i] * power) * (D[i] * power);
+    for (int i = 0; i < n; i++) {
+        const double dv = (has_masses ? D[n + i] / system->mass[i] : D[n + i]) * power;
+        square += dv * dv;
+    }
+    return square;
 }
 
-/* Squares neither overflow nor vanish, and a power of two in D is one in its length. */
+/* A power of two in D is one in its length, also where squares overflow or vanish. */
 static double find_length(const tvi_system *system, const double D[])
 {
-    double largest = 0, square = 0;
-    for (int i = 0; i < 2 * system->n; i++) largest = fmax(largest, fabs(find_component(system, D, i)));
-    if (largest == 0 || !isfinite(largest)) return largest;
-    const int exponent = ilogb(fmin(fmax(largest, 0x1p-1000), 0x1p1000));
-    const double down = ldexp(1, -exponent);
-    for (int i = 0; i < 2 * system->n; i++) {
-        const double x = find_component(system, D, i) * down;
-        square += x * x;
-    }
-    return ldexp(sqrt(square), exponent);
+    const double square = sum_squares(system, D, 1), power = square < 1 ? 0x1p500 : 0x1p-500;
+    if (square > 0x1p-900 && square < 0x1p900) return sqrt(square);
+    return sqrt(sum_squares(system, D, power)) / power;
 }
 
 /* Sets D to the vector that tvi_chaos.h describes. Multiples of the golden ratio are spread evenly over [0, 1), however
