@@ -1,9 +1,10 @@
 /* chaos.c - Measures order and chaos of the three Henon-Heiles orbits of docs/method.md section 9, by the tangent map:
- * the largest Lyapunov exponent and MEGNO, for docs/chaos.md; and what a column costs.
+ * the largest Lyapunov exponent and MEGNO, for docs/chaos.md; and what they and a column cost.
  *
  *   chaos DIR */
 #include "experiments/experiment.h"
 #include "scenes/hard.h"
+#include "tvi_bodies.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,67 +26,60 @@ enum { ORBITS = sizeof orbits / sizeof *orbits };
 enum { DECADES = 4, FIRST = 200, LAST = 200000 }; /* rows of the tables at FIRST 10^k steps */
 static const double CSV_RATIO = 1.08;             /* of the times in the CSV file */
 
-/* With d_k the length of the tangent vector after k steps, at t_k (Cincotta, Giordano and Simo, Physica D 182 (2003),
- * for maps, where t_k = k): lambda = ln(d_k/d_0) / t_k,   Y_k = (2/t_k) sum_{j <= k} t_j ln(d_j/d_{j-1}),
- * MEGNO = (1/t_k) sum_{j <= k} (t_j - t_{j-1}) Y_j. */
-typedef struct {
-    double t, logarithm, weighted, area; /* t_k, and the sums */
-} growth;
-
-static double note_growth(growth *g, double t, double ratio)
-{
-    g->logarithm += log(ratio);
-    g->weighted += t * log(ratio);
-    g->area += 2 / t * g->weighted * (t - g->t);
-    g->t = t;
-    return g->area / t;
-}
-
-/* D of 2 n rows is brought back to length 1; returns what its length was. */
-static double normalize(int n, double D[])
-{
-    double sum = 0;
-    for (int i = 0; i < 2 * n; i++) sum += D[i] * D[i];
-    for (int i = 0; i < 2 * n; i++) D[i] /= sqrt(sum);
-    return sqrt(sum);
-}
-
 typedef struct {
     double exponent, megno;
-} chaos;
+} chaos_row;
 
-/* Rows of the table in at[], the CSV file, and the largest relative energy error. */
-static double measure(const tvi_system *system, int orbit, FILE *csv, chaos at[DECADES])
+/* What an observer of steps makes of a run: rows of the table in at[], the CSV file, and the largest relative energy
+ * error. */
+typedef struct {
+    const tvi_system *system;
+    const tvi_chaos *chaos;
+    int orbit, row;
+    FILE *csv;
+    chaos_row *at;
+    double H0, worst, next;
+    long row_step;
+} orbit_diary;
+
+static int note_step(int member, int step, double t, const double q[], const double p[], void *ctx)
+{
+    orbit_diary *d = ctx;
+    double H;
+    (void)member;
+    experiment_insist(tvi_energy(d->system, t, q, p, &H), "the energy");
+    d->worst = fmax(d->worst, fabs((H - d->H0) / d->H0));
+    if ((double)step >= d->next) {
+        fprintf(d->csv, "%s,%.10g,%.6e,%.6e\n", orbits[d->orbit].label, t, d->chaos->lyapunov, d->chaos->megno);
+        d->next *= CSV_RATIO;
+    }
+    if (step != d->row_step) return 0;
+    d->at[d->row++] = (chaos_row){d->chaos->lyapunov, d->chaos->megno};
+    d->row_step *= 10;
+    return 0;
+}
+
+/* Returns the largest relative energy error. */
+static double measure(const tvi_system *system, int orbit, FILE *csv, chaos_row at[DECADES])
 {
     tvi_integrator *integrator;
-    double t = 0, q[N], p[N], D[2 * N] = {0.5, 0.5, 0.5, 0.5}, H0, H, worst = 0, next = 20;
-    growth g = {0};
-    int row = 0;
-    long row_step = FIRST;
+    tvi_chaos chaos = {0};
+    double t = 0, q[N], p[N];
+    orbit_diary diary = {
+        .system = system, .chaos = &chaos, .orbit = orbit, .csv = csv, .at = at, .next = 20, .row_step = FIRST};
+    const tvi_run_plan plan = {.h = H_STEP, .steps = LAST, .at_step = note_step, .ctx = &diary};
     memcpy(q, orbits[orbit].q, sizeof q);
     memcpy(p, orbits[orbit].p, sizeof p);
     experiment_insist(tvi_integrator_create(&integrator, system, NULL), "the integrator");
-    experiment_insist(tvi_energy(system, t, q, p, &H0), "the energy");
-    for (long step = 1; step <= LAST; step++) {
-        experiment_insist(tvi_step_tangent(integrator, H_STEP, &t, q, p, D, 1), "a step");
-        experiment_insist(tvi_energy(system, t, q, p, &H), "the energy");
-        worst = fmax(worst, fabs((H - H0) / H0));
-        const double megno = note_growth(&g, t, normalize(N, D));
-        if ((double)step >= next) {
-            fprintf(csv, "%s,%.10g,%.6e,%.6e\n", orbits[orbit].label, t, g.logarithm / t, megno);
-            next *= CSV_RATIO;
-        }
-        if (step != row_step) continue;
-        at[row++] = (chaos){g.logarithm / t, megno};
-        row_step *= 10;
-    }
+    experiment_insist(tvi_energy(system, t, q, p, &diary.H0), "the energy");
+    experiment_insist(tvi_run_chaos(integrator, &plan, &chaos, &t, q, p), "a run");
     tvi_integrator_free(integrator);
-    return worst;
+    return diary.worst;
 }
 
 static void write_exponents(const experiment *e, const tvi_system *system)
 {
-    chaos at[ORBITS][DECADES];
+    chaos_row at[ORBITS][DECADES];
     double worst = 0;
     FILE *csv = experiment_csv(e, "chaos", "H,t,exponent,megno");
     for (int orbit = 0; orbit < ORBITS; orbit++) {
@@ -122,28 +116,39 @@ static const struct {
 };
 enum { ADAPTED = sizeof adapted / sizeof *adapted, ADAPTED_N = 2 };
 
-/* D starts as in measure; a row of the table. */
+typedef struct {
+    double t, shortest, longest;
+} step_sizes;
+
+static int note_size(int member, int step, double t, const double q[], const double p[], void *ctx)
+{
+    step_sizes *sizes = ctx;
+    (void)member, (void)step, (void)q, (void)p;
+    sizes->shortest = fmin(sizes->shortest, t - sizes->t);
+    sizes->longest = fmax(sizes->longest, t - sizes->t);
+    sizes->t = t;
+    return 0;
+}
+
+/* A row of the table. Its last step is that to the next whole step of s. */
 static void write_orbit(FILE *table, int i)
 {
     const scene *s = &adapted[i].problem->scene;
     tvi_system *system = experiment_system(s), *rescaled;
     tvi_integrator *integrator;
-    double t = 0, q[ADAPTED_N], p[ADAPTED_N], D[2 * ADAPTED_N] = {0.5, 0.5, 0.5, 0.5};
-    double megno = 0, shortest = INFINITY, longest = 0;
-    growth g = {0};
+    tvi_chaos chaos = {0};
+    double t = 0, q[ADAPTED_N], p[ADAPTED_N];
+    step_sizes sizes = {0, INFINITY, 0};
     memcpy(q, s->q, (size_t)s->n * sizeof *q);
     memcpy(p, s->p, (size_t)s->n * sizeof *p);
     if (adapted[i].q0 > 0) q[0] = adapted[i].q0;
+    const tvi_run_plan plan = {
+        .h = adapted[i].h, .times = &adapted[i].t_end, .time_count = 1, .at_step = note_size, .ctx = &sizes};
     experiment_insist(tvi_system_rescaled(&rescaled, system, adapted[i].problem->scale, NULL), s->name);
     experiment_insist(tvi_integrator_create(&integrator, rescaled, NULL), s->name);
-    while (t < adapted[i].t_end) {
-        experiment_insist(tvi_step_tangent(integrator, adapted[i].h, &t, q, p, D, 1), s->name);
-        shortest = fmin(shortest, t - g.t);
-        longest = fmax(longest, t - g.t);
-        megno = note_growth(&g, t, normalize(s->n, D));
-    }
+    experiment_insist(tvi_run_chaos(integrator, &plan, &chaos, &t, q, p), s->name);
     fprintf(table, "| %s | %.0f | %ld | %.2g | %.2g | %.2g | %.4g |\n", adapted[i].label, adapted[i].t_end,
-            tvi_integrator_stats(integrator)->steps, shortest, longest, g.logarithm / t, megno);
+            tvi_integrator_stats(integrator)->steps, sizes.shortest, sizes.longest, chaos.lyapunov, chaos.megno);
     tvi_integrator_free(integrator);
     tvi_system_free(rescaled);
     tvi_system_free(system);
@@ -251,12 +256,93 @@ static void write_costs(const experiment *e)
     experiment_close(table);
 }
 
+/* ---- What it costs beside a run ---------------------------------------------------------------------------------- */
+
+/* The Sun, Jupiter, Saturn and an asteroid without mass, in AU, years and masses of the Sun; angles in radians. */
+enum { BODIES = 4, AXES = 3, BODIES_N = BODIES * AXES };
+static const double BODY_MASSES[BODIES] = {1, 9.548e-4, 2.859e-4, 0}, BODIES_STEP = 0.4, YEARS = 1e5;
+static const tvi_orbit JUPITER = {.a = 5.203, .e = 0.048, .i = 0.0228},
+                       SATURN = {.a = 9.55, .e = 0.054, .i = 0.0434, .M = 2};
+static const struct {
+    const char *label;
+    tvi_orbit orbit;
+} asteroids[] = {
+    {"a = 2.76, e = 0.08", {.a = 2.76, .e = 0.08, .i = 0.1, .M = 1}},
+    {"a = 3.8, e = 0.2", {.a = 3.8, .e = 0.2, .i = 0.1, .M = 1}},
+};
+
+static void start_bodies(const tvi_bodies *b, const tvi_orbit *asteroid, double q[], double p[])
+{
+    const tvi_orbit *const orbit[] = {&JUPITER, &SATURN, asteroid};
+    double v[BODIES_N] = {0};
+    memset(q, 0, AXES * sizeof *q);
+    for (int i = 1; i < BODIES; i++) {
+        const tvi_status status = tvi_orbit_state(orbit[i - 1], b->G * (1 + b->mass[i]), q + AXES * i, v + AXES * i);
+        experiment_insist(status, "an orbit");
+    }
+    tvi_bodies_momenta(b, v, p);
+    tvi_bodies_to_centre(b, q, p);
+}
+
+typedef enum { PLAIN, AT_ONCE, ALONE, CHAOS, WAYS } way;
+
+/* Returns s of a run of so many years. */
+static double time_bodies(const tvi_bodies *b, const tvi_orbit *asteroid, way which, tvi_chaos *chaos)
+{
+    double t = 0, q[BODIES_N], p[BODIES_N], D[2 * BODIES_N] = {0};
+    tvi_system *system;
+    tvi_integrator *integrator;
+    const bool has_D = which == AT_ONCE || which == ALONE;
+    const tvi_run_plan plan = {.h = BODIES_STEP,
+                               .t_end = YEARS,
+                               .has_t_end = true,
+                               .D = has_D ? D : NULL,
+                               .columns = has_D,
+                               .columns_at_once = which == AT_ONCE};
+    D[BODIES_N - 1] = 1; /* dq of the asteroid; its momentum is of 1e-30 */
+    experiment_insist(tvi_bodies_system(&system, b), "the bodies");
+    experiment_insist(tvi_integrator_create(&integrator, system, NULL), "the integrator");
+    start_bodies(b, asteroid, q, p);
+    const double before = run_clock();
+    experiment_insist(which == CHAOS ? tvi_run_chaos(integrator, &plan, chaos, &t, q, p)
+                                     : tvi_run(integrator, &plan, &t, q, p),
+                      "a run");
+    const double seconds = run_clock() - before;
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+    return seconds;
+}
+
+static void write_asteroids(const experiment *e)
+{
+    const tvi_bodies b = {.bodies = BODIES, .axes = AXES, .mass = BODY_MASSES, .G = 4 * acos(-1) * acos(-1)};
+    FILE *table = experiment_table(e, "chaos_asteroid",
+                                   " asteroid | run, s (time) | with tvi_run_chaos, runs (time) | with a column at "
+                                   "once, runs (time) | with one alone, runs (time) | exponent (chaotic) | MEGNO "
+                                   "(chaotic) ");
+    for (size_t i = 0; i < sizeof asteroids / sizeof *asteroids; i++) {
+        tvi_chaos chaos;
+        double seconds[WAYS] = {INFINITY, INFINITY, INFINITY, INFINITY};
+        for (int repetition = 0; repetition < REPETITIONS; repetition++)
+            for (int which = 0; which < WAYS; which++) {
+                chaos = (tvi_chaos){0};
+                seconds[which] = fmin(seconds[which], time_bodies(&b, &asteroids[i].orbit, (way)which, &chaos));
+            }
+        fprintf(table, "| %s | %.2f | %.2f | %.2f | %.2f | %.2g | %.4g |\n", asteroids[i].label, seconds[PLAIN],
+                seconds[CHAOS] / seconds[PLAIN], seconds[AT_ONCE] / seconds[PLAIN], seconds[ALONE] / seconds[PLAIN],
+                chaos.lyapunov, chaos.megno);
+        experiment_progress("asteroid, %s", asteroids[i].label);
+    }
+    experiment_close(table);
+}
+
 int main(int argc, char *argv[])
 {
     const experiment e = experiment_begin(argc, argv);
     tvi_system *system = experiment_system(&scene_henon_heiles_8);
     write_exponents(&e, system);
     write_adapted(&e);
+    write_asteroids(&e);
     write_costs(&e);
     tvi_system_free(system);
     return EXIT_SUCCESS;

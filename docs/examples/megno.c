@@ -21,21 +21,14 @@ static jet potential(const jet q[], jet t, void *ctx)
     return jet_add(tvi_bodies_field(&bodies, at, q), jet_div(jet_mul(1 - MU, beta), r));
 }
 
-/* The exponent and MEGNO after so many steps, from a circle: with d_k the length of the tangent vector after k steps,
- *   lambda = ln(d_k / d_0) / t,  Y_k = (2/k) sum_{j <= k} j ln(d_j / d_{j-1}),  and the mean of Y_1 ... Y_k. */
-static void look(tvi_integrator *integrator, double beta, double h, long steps, double *lambda, double *megno)
+/* The exponent and MEGNO after so many steps, from a circle. */
+static tvi_chaos look(tvi_integrator *integrator, double beta, double h, long steps)
 {
-    double t = 0, q[] = {-A - MU, 0}, p[] = {0, -sqrt((1 - beta) / A)}, sum = 0, total = 0, all = 0;
-    double D[5] = {0.5, 0.5, 0.5, 0.5, 0}; /* rows (dq, dp, dbeta), one column */
+    double t = 0, q[] = {-A - MU, 0}, p[] = {0, -sqrt((1 - beta) / A)};
+    tvi_chaos chaos = {0};
     TVI_OR_EXIT(tvi_integrator_set_parameters(integrator, &beta));
-    for (long k = 1; k <= steps; k++) {
-        TVI_OR_EXIT(tvi_step_tangent(integrator, h, &t, q, p, D, 1));
-        const double d = sqrt(D[0] * D[0] + D[1] * D[1] + D[2] * D[2] + D[3] * D[3]);
-        for (int i = 0; i < 4; i++) D[i] /= d; /* the map is linear: back to length 1 */
-        sum += (double)k * log(d), all += log(d);
-        total += 2 / (double)k * sum;
-    }
-    *lambda = all / t, *megno = total / (double)steps;
+    TVI_OR_EXIT(tvi_run_chaos(integrator, &(tvi_run_plan){.h = h, .steps = steps}, &chaos, &t, q, p));
+    return chaos;
 }
 
 int main(void)
@@ -45,9 +38,8 @@ int main(void)
     TVI_OR_EXIT(tvi_system_potential(&system, 2, NULL, potential, NULL));
     TVI_OR_EXIT(tvi_integrator_create(&integrator, system, NULL));
     for (double beta = 0; beta < 0.2; beta += 0.1) {
-        double lambda, megno;
-        look(integrator, beta, 0.2, 10000, &lambda, &megno);
-        printf("beta = %.1f: %s\n", beta, megno < 3 && lambda < 0.01 ? "regular" : "chaotic");
+        const tvi_chaos chaos = look(integrator, beta, 0.2, 10000);
+        printf("beta = %.1f: %s\n", beta, chaos.megno < 3 && chaos.lyapunov < 0.01 ? "regular" : "chaotic");
     }
     tvi_integrator_free(integrator);
     tvi_system_free(system);
