@@ -210,6 +210,49 @@ START_TEST(stopped)
 }
 END_TEST
 
+static int stop_at_seven(int member, int which, double t, const double q[], const double p[], void *ctx)
+{
+    (void)member, (void)t, (void)q, (void)p, (void)ctx;
+    return which == 7;
+}
+
+/* A step that an observer ends the run at counts once; a run of no steps leaves zeros. */
+START_TEST(stopped_at_a_step)
+{
+    columns_run run;
+    columns_open(&run, &columns_problems[COLUMNS_KEPLER], NULL, 0);
+    tvi_chaos chaos = {.steps = 3};
+    tvi_run_plan plan = {.h = 0.125, .t_end = 5, .has_t_end = true, .at_step = stop_at_seven};
+    ck_assert_int_eq(tvi_run_chaos(run.it, &plan, &chaos, &run.t, run.q, run.p), TVI_ESTOPPED);
+    ck_assert(chaos.steps == 7 && chaos.time == run.t && isfinite(chaos.megno));
+    plan.t_end = run.t;
+    go(&run, &plan, &chaos);
+    ck_assert(chaos.steps == 0 && chaos.time == 0 && chaos.megno == 0 && chaos.t_start == run.t);
+    columns_close(&run);
+}
+END_TEST
+
+/* The vector has the bits of a column that tvi_run moves at once, and is at its end in the user's D. */
+START_TEST(moved_at_once)
+{
+    columns_run run, plain;
+    columns_open(&run, &columns_problems[_i], NULL, 0);
+    columns_open(&plain, &columns_problems[_i], NULL, 0);
+    double D[COLUMNS_MOST_ROWS] = {0}, of_plain[COLUMNS_MOST_ROWS];
+    tvi_chaos chaos = {0};
+    tvi_run_plan plan = {.h = run.problem->h, .D = D, .columns = 1};
+    go(&run, &plan, &chaos);
+    memcpy(of_plain, D, sizeof D);
+    plan.steps = 100;
+    go(&run, &plan, &chaos);
+    plan.D = of_plain, plan.columns_at_once = true;
+    ck_assert_int_eq(tvi_run(plain.it, &plan, &plain.t, plain.q, plain.p), TVI_OK);
+    ck_assert(memcmp(of_plain, D, sizeof D) == 0);
+    columns_close(&run);
+    columns_close(&plain);
+}
+END_TEST
+
 /* In several calls, with the vector that the library makes of zeros: the same bits. */
 START_TEST(cut)
 {
@@ -325,6 +368,8 @@ Suite *suite_chaos(void)
     tcase_add_loop_test(tests, order_and_chaos, 0, 4);
     tcase_add_loop_test(tests, same_run, 0, COLUMNS_PROBLEMS);
     tcase_add_loop_test(tests, stopped, 0, 4);
+    tcase_add_test(tests, stopped_at_a_step);
+    tcase_add_loop_test(tests, moved_at_once, 0, COLUMNS_PROBLEMS);
     tcase_add_loop_test(tests, cut, 0, COLUMNS_PROBLEMS);
     tcase_add_test(tests, masses);
     tcase_add_test(tests, lengths);
