@@ -32,10 +32,10 @@ typedef struct {
  * in the plan the sums begin anew, and so does a vector of the library's own: dq = 0 and dv_i = 2 frac(i / golden) -
  * 1, i = 1 .. n, golden = (1 + sqrt(5)) / 2; for a start with p = 0, where dv may be along the flow, dv = 0 and dq is
  * that. Its components all differ, since bodies that attract each other and are all moved alike do not part: dv = 1
- * would show no chaos of them. D with one column in the plan is the vector, and a *chaos with steps > 0 goes on with
- * it: so runs may be cut into calls, with the same bits. If all of D is 0, it becomes the library's vector. The
- * library multiplies D by a power of two where it has grown or shrunk by 2^100; observers leave it alone.
- *   TVI_EINVAL  also chaos that is NULL or of another size, D of several columns
+ * would show chaos by roundoff alone, and late. D with one column in the plan is the vector, and a *chaos with steps >
+ * 0 goes on with it: so runs may be cut into calls, with the same bits. If all of D is 0, it becomes the library's
+ * vector. The library multiplies D by a power of two where it has grown or shrunk by 2^100; observers leave it alone.
+ *   TVI_EINVAL  also chaos that is NULL or of another size, D of several columns, or with dq and dp of 0 alone
  *   others      as of tvi_run with D */
 TVI_NODISCARD tvi_status tvi_run_chaos(tvi_integrator *integrator, const tvi_run_plan *plan, tvi_chaos *chaos,
                                        double *t, double q[], double p[]);
