@@ -187,5 +187,8 @@ bool jet_record_gradient(jet_graph *graph, jet output, int input_count, jet grad
 bool jet_record_forward_derivatives(const jet_graph *source, jet_graph *target, const jet input[],
                                     const jet direction[], const jet parameter_direction[], int output_count,
                                     const jet output[], jet value[], jet derivative[]);
+/* Records outputs once more, without derivatives. */
+bool jet_record_again(const jet_graph *source, jet_graph *target, const jet input[], int output_count,
+                      const jet output[], jet value[]);
 
 #endif

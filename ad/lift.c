@@ -1,6 +1,6 @@
-/* lift.c - Records a closed graph once more into another graph, together with its derivative along a direction, by
- * forward accumulation (docs/jets.md, section 1). src/system/ calls it for tangent maps, rescaled systems and the
- * functions of events. */
+/* lift.c - Records a closed graph once more into another graph, alone or together with its derivative along a
+ * direction, by forward accumulation (docs/jets.md, section 1). src/system/ calls it for tangent maps, rescaled and
+ * adjoint systems and the functions of events. */
 #include "graph.h"
 #include "rule.h"
 
@@ -104,8 +104,9 @@ static void record_values_and_derivatives(forward_recording *recording, int node
         const struct jet_node *z = jet_graph_node_at(recording->source, i);
         if (!recording->is_node_needed[i]) continue;
         recording->value[i] = z->op == OP_INPUT ? input[i] : record_primal_node(recording, z);
-        recording->derivative[i] =
-            z->op == OP_INPUT ? direction[i] : record_derivative(recording, z, recording->value[i]);
+        if (direction)
+            recording->derivative[i] =
+                z->op == OP_INPUT ? direction[i] : record_derivative(recording, z, recording->value[i]);
     }
 }
 
@@ -121,7 +122,7 @@ bool jet_record_forward_derivatives(const jet_graph *source, jet_graph *target, 
         record_values_and_derivatives(&recording, node_count, input, direction);
         for (int i = 0; i < output_count; i++) {
             value[i] = recording.value[output[i].node->index];
-            derivative[i] = recording.derivative[output[i].node->index];
+            if (derivative) derivative[i] = recording.derivative[output[i].node->index];
         }
     }
     free(recording.is_node_needed);
@@ -130,4 +131,10 @@ bool jet_record_forward_derivatives(const jet_graph *source, jet_graph *target, 
     free(recording.scratch_term_jets);
     free(recording.scratch_term_coefficients);
     return allocated;
+}
+
+bool jet_record_again(const jet_graph *source, jet_graph *target, const jet input[], int output_count,
+                      const jet output[], jet value[])
+{
+    return jet_record_forward_derivatives(source, target, input, NULL, NULL, output_count, output, value, NULL);
 }

@@ -26,25 +26,13 @@ typedef struct {
 static bool record_base(const system_recording *recording, const adjoint_statement *of, jet field[], jet *H)
 {
     const tvi_system *base = of->base;
-    const int n = base->n, inputs = jet_graph_input_count(base->record.graph), time = inputs == n + 1 ? n : 2 * n;
-    jet *input = malloc((2 * (size_t)inputs + (size_t)base->input_count) * sizeof *input), rate;
-    if (!input) return false;
-    jet *no_direction = input + inputs, *no_rate = no_direction + inputs;
-    for (int i = 0; i < inputs; i++) input[i] = jet_make_unset_poison(), no_direction[i] = jet_const(0);
-    for (int i = 0; i < n; i++) {
-        input[i] = recording->q[i];
-        if (base->form != TVI_SEPARABLE)
-            input[n + i] = base->form == TVI_LAGRANGIAN ? recording->v[i] : recording->q[n + i];
-    }
-    input[time] = recording->t;
-    jet_graph *graph = recording->system->record.graph;
-    bool recorded = jet_record_forward_derivatives(base->record.graph, graph, input, no_direction, NULL,
-                                                   base->input_count, base->record.field, field, no_rate);
+    const int n = base->n;
+    const jet *second = base->form == TVI_LAGRANGIAN ? recording->v : recording->q + n;
+    bool recorded =
+        tvi_system_record_again(base, recording->q, second, recording->t, base->input_count, base->record.field, field);
     *H = jet_const(0);
     if (recorded && base->form == TVI_HAMILTONIAN)
-        recorded = jet_record_forward_derivatives(base->record.graph, graph, input, no_direction, NULL, 1,
-                                                  &base->record.user_function, H, &rate);
-    free(input);
+        recorded = tvi_system_record_again(base, recording->q, second, recording->t, 1, &base->record.user_function, H);
     for (int i = 0; i < n && recorded && base->form == TVI_SEPARABLE && of->form != TVI_SEPARABLE; i++) {
         field[i] = jet_neg(field[i]);
         field[n + i] = jet_div(recording->q[n + i], base->mass[i]);
@@ -56,18 +44,16 @@ static bool record_base(const system_recording *recording, const adjoint_stateme
 static bool record_integrand(const system_recording *recording, const adjoint_statement *of, int k, const jet field[],
                              jet *term)
 {
-    const int n = of->base->n, inputs = 2 * n + 1;
+    const int n = of->base->n;
     jet_graph *graph = recording->system->record.graph;
-    jet *input = malloc(2 * (size_t)inputs * sizeof *input), value, rate;
+    jet *input = malloc((2 * (size_t)n + 1) * sizeof *input), value;
     if (!input) return false;
-    for (int i = 0; i < inputs; i++) input[inputs + i] = jet_const(0);
     for (int i = 0; i < n; i++) {
         input[i] = recording->q[i];
         input[n + i] = of->form == TVI_LAGRANGIAN ? field[n + i] : recording->q[n + i];
     }
     input[2 * n] = recording->t;
-    const bool recorded = jet_record_forward_derivatives(of->integrands[k].graph, graph, input, input + inputs, NULL, 1,
-                                                         &of->integrands[k].output, &value, &rate);
+    const bool recorded = jet_record_again(of->integrands[k].graph, graph, input, 1, &of->integrands[k].output, &value);
     free(input);
     *term = recorded ? jet_mul(jet_graph_record_parameter(graph, of->parameters + k, 0), value) : jet_const(0);
     return recorded;

@@ -95,20 +95,14 @@ tvi_status tvi_event_evaluate(const tvi_event *event, double *block, const doubl
 }
 
 /* Records all events once more in one graph, so that expressions that several events contain are computed once. Sets
- * `jets` [2 input_count + count] to the inputs, then one 0 for each input, and then the values of the events. The zeros
- * are the direction for jet_record_forward_derivatives, which also records derivatives; none are needed here. */
+ * `jets` [input_count + count] to the inputs, and then the values of the events. */
 static tvi_status record_events_in_one_graph(const tvi_event *const events[], int count, jet_graph *graph,
                                              int input_count, jet jets[])
 {
-    jet *input = jets, *zeros = jets + input_count, *value = zeros + input_count, rate;
-    for (int i = 0; i < input_count; i++) {
-        input[i] = jet_graph_input(graph, i);
-        zeros[i] = jet_const(0);
-    }
+    jet *input = jets, *value = jets + input_count;
+    for (int i = 0; i < input_count; i++) input[i] = jet_graph_input(graph, i);
     for (int i = 0; i < count; i++)
-        if (!jet_record_forward_derivatives(events[i]->graph, graph, input, zeros, NULL, 1, &events[i]->output,
-                                            &value[i], &rate))
-            return TVI_ENOMEM;
+        if (!jet_record_again(events[i]->graph, graph, input, 1, &events[i]->output, &value[i])) return TVI_ENOMEM;
     return jet_graph_check_outputs(graph, count, value);
 }
 
@@ -116,11 +110,11 @@ tvi_status tvi_event_create_joint_tape(jet_tape **out, const tvi_event *const ev
 {
     const int inputs = 2 * events[0]->n + 1;
     jet_graph *graph = jet_graph_create(inputs);
-    jet *jets = calloc(2 * (size_t)inputs + (size_t)count, sizeof *jets);
+    jet *jets = calloc((size_t)inputs + (size_t)count, sizeof *jets);
     tvi_status status = graph && jets ? record_events_in_one_graph(events, count, graph, inputs, jets) : TVI_ENOMEM;
     if (graph) jet_graph_end_recording(graph);
-    if (status == TVI_OK) status = tvi_system_find_used_inputs(graph, inputs, count, jets + 2 * inputs, used);
-    *out = status == TVI_OK ? jet_tape_create(graph, inputs, count, jets + 2 * inputs, JET_TAPE_VALUES) : NULL;
+    if (status == TVI_OK) status = tvi_system_find_used_inputs(graph, inputs, count, jets + inputs, used);
+    *out = status == TVI_OK ? jet_tape_create(graph, inputs, count, jets + inputs, JET_TAPE_VALUES) : NULL;
     if (status == TVI_OK && !*out) status = TVI_ENOMEM;
     free(jets);
     jet_graph_free(graph);
@@ -131,12 +125,12 @@ tvi_status tvi_event_create_gradient_tape(jet_tape **out, const tvi_event *event
 {
     const int inputs = 2 * event->n + 1, outputs = inputs + parameter_count;
     jet_graph *graph = jet_graph_create(inputs);
-    jet *jets = calloc(2 * (size_t)inputs + 1 + (size_t)outputs, sizeof *jets);
+    jet *jets = calloc((size_t)inputs + 1 + (size_t)outputs, sizeof *jets);
     *out = NULL;
     if (graph && jets && record_events_in_one_graph(&event, 1, graph, inputs, jets) == TVI_OK) {
-        jet *gradient = jets + 2 * inputs + 1;
+        jet *gradient = jets + inputs + 1;
         const bool recorded =
-            jet_record_gradient_by(graph, jets[2 * inputs], inputs, gradient, parameter_count, gradient + inputs) &&
+            jet_record_gradient_by(graph, jets[inputs], inputs, gradient, parameter_count, gradient + inputs) &&
             jet_graph_check_outputs(graph, outputs, gradient) == TVI_OK;
         jet_graph_end_recording(graph);
         if (recorded) *out = jet_tape_create(graph, inputs, outputs, gradient, JET_TAPE_VALUES);

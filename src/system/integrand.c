@@ -5,15 +5,6 @@
 
 #include <stdlib.h>
 
-/* Records the outputs of a graph once more, whose inputs become `input`. `unused` [inputs + outputs] is scratch. */
-static bool record_again(const jet_graph *from, jet_graph *to, const jet input[], int count, const jet output[],
-                         jet value[], jet unused[])
-{
-    const int inputs = jet_graph_input_count(from);
-    for (int i = 0; i < inputs; i++) unused[i] = jet_const(0);
-    return jet_record_forward_derivatives(from, to, input, unused, NULL, count, output, value, unused + inputs);
-}
-
 /* Gives the parameters of l the values with which the system has recorded them. */
 static tvi_status take_parameters(const jet_graph *l, const tvi_system *system)
 {
@@ -35,20 +26,14 @@ static tvi_status take_parameters(const jet_graph *l, const tvi_system *system)
 static tvi_status record_integrand(tvi_integrand *out, const tvi_system *system, const tvi_event *l, jet jets[])
 {
     const tvi_system *stepped = system->stepped_system;
-    const int n = system->n, N = stepped->n, inputs = jet_graph_input_count(stepped->record.graph);
-    jet *input = jets, *rates = input + 3 * N + 1, *unused = rates + 2 * N;
-    const jet time = N > n ? jet_graph_input(out->graph, n) : jet_graph_input(out->graph, 2 * N);
-    for (int i = 0; i < n; i++) {
-        input[i] = jet_graph_input(out->graph, i);
-        input[n + i] = jet_graph_input(out->graph, N + i);
-    }
-    input[2 * n] = time;
-    if (!record_again(l->graph, out->graph, input, 1, &l->output, &out->output, unused)) return TVI_ENOMEM;
+    const int n = system->n, N = stepped->n;
+    jet *q = jets, *p = q + N, *input = p + N, *rates = input + 2 * n + 1, t = jet_graph_input(out->graph, 2 * N);
+    for (int i = 0; i < N; i++) q[i] = jet_graph_input(out->graph, i), p[i] = jet_graph_input(out->graph, N + i);
+    for (int i = 0; i < n; i++) input[i] = q[i], input[n + i] = p[i];
+    input[2 * n] = N > n ? q[n] : t;
+    if (!jet_record_again(l->graph, out->graph, input, 1, &l->output, &out->output)) return TVI_ENOMEM;
     if (N > n) {
-        for (int i = 0; i < inputs; i++)
-            input[i] = i < 2 * N ? jet_graph_input(out->graph, i) : jet_make_unset_poison();
-        if (!record_again(stepped->record.graph, out->graph, input, 2 * N, stepped->record.field, rates, unused))
-            return TVI_ENOMEM;
+        if (!tvi_system_record_again(stepped, q, p, t, 2 * N, stepped->record.field, rates)) return TVI_ENOMEM;
         out->output = jet_mul(out->output, rates[N + n]);
     }
     return jet_graph_check_outputs(out->graph, 1, &out->output);
@@ -61,7 +46,7 @@ tvi_status tvi_integrand_create(tvi_integrand *out, const tvi_system *system, tv
     *out = (tvi_integrand){.graph = NULL};
     tvi_status status = tvi_event_create(&event, system->n, TVI_EITHER, false, l, ctx);
     if (status != TVI_OK) return status;
-    jet *jets = malloc((size_t)(12 * N + 8) * sizeof *jets);
+    jet *jets = malloc((6 * (size_t)N + 1) * sizeof *jets);
     out->graph = jet_graph_create(inputs);
     status = jets && out->graph ? take_parameters(event->graph, system) : TVI_ENOMEM;
     if (status == TVI_OK) status = record_integrand(out, system, event, jets);

@@ -18,33 +18,11 @@
 
 /* ---- The user's function ----------------------------------------------------------------------------------------- */
 
-/* Records outputs of the recording of the user's system `base` in the graph of q, at the coordinates q, the time t, and
- * the velocities of L or momenta of H. NULL stands for velocities or momenta that are 0, since calloc makes each input
- * the number 0. Returns whether there was memory. */
-static bool record_outputs(const tvi_system *base, const jet q[], const jet velocities_or_momenta[], jet t, int count,
-                           const jet output[], jet value[])
-{
-    const int n = base->n, inputs = jet_graph_input_count(base->record.graph), time_index = inputs > n + 1 ? 2 * n : n;
-    jet_graph *graph;
-    const jet refused = jet_find_common_graph_or_poison(1, q, &graph);
-    for (int i = 0; i < count; i++) value[i] = refused;
-    if (refused.node) return true;
-    jet *input = calloc(2 * (size_t)inputs + (size_t)count, sizeof *input);
-    if (!input) return false;
-    for (int i = 0; i < n; i++) input[i] = q[i];
-    for (int i = n; i < time_index && velocities_or_momenta; i++) input[i] = velocities_or_momenta[i - n];
-    input[time_index] = t;
-    const bool recorded = jet_record_forward_derivatives(base->record.graph, graph, input, input + inputs, NULL, count,
-                                                         output, value, input + 2 * inputs);
-    free(input);
-    return recorded;
-}
-
 /* Records the V, L or H of the user's system. */
 static jet record_user_function(const tvi_system *base, const jet q[], const jet velocities_or_momenta[], jet t)
 {
     jet value;
-    return record_outputs(base, q, velocities_or_momenta, t, 1, &base->record.user_function, &value)
+    return tvi_system_record_again(base, q, velocities_or_momenta, t, 1, &base->record.user_function, &value)
                ? value
                : jet_make_poison(JET_NO_MEMORY);
 }
@@ -178,7 +156,7 @@ static bool record_velocities_of_masses(const tvi_system *base, const jet q[], c
 {
     const int n = base->n;
     const bool recorded =
-        base->form == TVI_SEPARABLE || record_outputs(base, q, NULL, t, 2 * n, base->record.field, field);
+        base->form == TVI_SEPARABLE || tvi_system_record_again(base, q, NULL, t, 2 * n, base->record.field, field);
     for (int i = 0; i < n && recorded; i++) {
         const jet f = base->form == TVI_SEPARABLE ? jet_const(0) : field[n + i];
         v[i] = jet_div(jet_sub(p[i], f), base->mass[i]);
@@ -249,11 +227,11 @@ static bool record_coupled_velocities(const tvi_system *base, const jet q[], con
 {
     const int n = base->n;
     jet A[MOST_COUPLED_VELOCITIES * MOST_COUPLED_VELOCITIES], unit[MOST_COUPLED_VELOCITIES], f[MOST_COUPLED_VELOCITIES];
-    bool recorded = record_outputs(base, q, NULL, t, 2 * n, base->record.field, field);
+    bool recorded = tvi_system_record_again(base, q, NULL, t, 2 * n, base->record.field, field);
     for (int i = 0; i < n && recorded; i++) f[i] = field[n + i];
     for (int j = 0; j < n && recorded; j++) {
         for (int i = 0; i < n; i++) unit[i] = jet_const(i == j);
-        recorded = record_outputs(base, q, unit, t, 2 * n, base->record.field, field);
+        recorded = tvi_system_record_again(base, q, unit, t, 2 * n, base->record.field, field);
         for (int i = 0; i < n && recorded; i++) A[i * n + j] = jet_sub(field[n + i], f[i]);
     }
     for (int i = 0; i < n && recorded; i++) v[i] = jet_sub(p[i], f[i]);
@@ -271,7 +249,8 @@ static bool record_user_rates(const tvi_system *base, const jet q[], const jet p
     bool recorded =
         is_hamiltonian || (has_coupled_velocities(base) ? record_coupled_velocities(base, q, p, t, field, v)
                                                         : record_velocities_of_masses(base, q, p, t, field, v));
-    if (recorded) recorded = record_outputs(base, q, is_hamiltonian ? p : v, t, outputs, base->record.field, field);
+    if (recorded)
+        recorded = tvi_system_record_again(base, q, is_hamiltonian ? p : v, t, outputs, base->record.field, field);
     for (int i = 0; i < n && recorded; i++) {
         rate[i] = is_hamiltonian ? field[n + i] : v[i];
         rate[n + i] = is_hamiltonian ? jet_neg(field[i]) : field[i];

@@ -190,23 +190,35 @@ static tvi_status record_rates(system_recording *recording, const system_stateme
     return TVI_OK;
 }
 
+bool tvi_system_record_again(const tvi_system *base, const jet q[], const jet velocities_or_momenta[], jet t, int count,
+                             const jet output[], jet value[])
+{
+    const int n = base->n, inputs = jet_graph_input_count(base->record.graph), time_index = inputs > n + 1 ? 2 * n : n;
+    jet_graph *graph;
+    const jet refused = jet_find_common_graph_or_poison(1, q, &graph);
+    for (int i = 0; i < count; i++) value[i] = refused;
+    if (refused.node) return true;
+    jet *input = malloc((size_t)inputs * sizeof *input);
+    if (!input) return false;
+    for (int i = 0; i < inputs; i++) input[i] = jet_const(0);
+    for (int i = 0; i < n; i++) input[i] = q[i];
+    for (int i = n; i < time_index && velocities_or_momenta; i++) input[i] = velocities_or_momenta[i - n];
+    input[time_index] = t;
+    const bool recorded = jet_record_again(base->record.graph, graph, input, count, output, value);
+    free(input);
+    return recorded;
+}
+
 /* Records the field and the user's function of another system once more, whose inputs are the same. */
 static tvi_status record_copy(system_recording *recording, const system_statement *statement)
 {
     const tvi_system *base = statement->copied;
     tvi_system *system = recording->system;
-    const int inputs = jet_graph_input_count(base->record.graph), outputs = tvi_system_output_count(base);
-    jet *input = calloc(2 * (size_t)inputs + (size_t)outputs, sizeof *input);
-    if (!input) return TVI_ENOMEM;
-    jet *no_direction = input + inputs, *no_rate = no_direction + inputs, rate;
-    for (int i = 0; i < inputs; i++) input[i] = jet_graph_input(system->record.graph, i);
-    bool recorded = jet_record_forward_derivatives(base->record.graph, system->record.graph, input, no_direction, NULL,
-                                                   outputs, base->record.field, recording->field, no_rate);
-    if (recorded && base->energy.tape)
-        recorded = jet_record_forward_derivatives(base->record.graph, system->record.graph, input, no_direction, NULL,
-                                                  1, &base->record.user_function, &recording->user_function, &rate);
-    free(input);
-    if (!recorded) return TVI_ENOMEM;
+    if (!tvi_system_record_again(base, recording->q, recording->v, recording->t, tvi_system_output_count(base),
+                                 base->record.field, recording->field) ||
+        (base->energy.tape && !tvi_system_record_again(base, recording->q, recording->v, recording->t, 1,
+                                                       &base->record.user_function, &recording->user_function)))
+        return TVI_ENOMEM;
     system->form = base->form;
     system->is_driven = base->is_driven;
     system->has_masses = base->has_masses;

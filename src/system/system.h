@@ -106,6 +106,11 @@ TVI_NODISCARD tvi_status tvi_system_create_from_rates(tvi_system **out, int n, t
 /* Creates the same system once more: a walk through its recording, which shares nothing with it. */
 TVI_NODISCARD tvi_status tvi_system_copy(tvi_system **out, const tvi_system *system);
 
+/* Records outputs of a system's closed recording once more, into the graph of q; velocities_or_momenta NULL: they are
+ * 0, as those of a separable system. Returns false if memory is lacking. */
+bool tvi_system_record_again(const tvi_system *base, const jet q[], const jet velocities_or_momenta[], jet t, int count,
+                             const jet output[], jet value[]);
+
 /* Creates the lift of a system, which moves a state (q, p) together with a tangent vector (dq, dp). It has 2n
  * degrees of freedom, and the Hamiltonian H_q.dq + H_p.dp or the Lagrangian L_q.dq + L_v.dv (docs/method.md, section
  * 10). Its coordinates are (q, dq), and its momenta (dp, p). A separable system also has a separable lift, with the

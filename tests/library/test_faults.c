@@ -218,7 +218,7 @@ START_TEST(events_without_memory)
     ck_assert_int_eq(tvi_event_create(&event, N, TVI_EITHER, false, radius, NULL), TVI_OK);
     given.event = event;
     ck_assert_int_gt(fail_each(make_event, NULL, how), 5);
-    ck_assert_int_eq(fail_each(run_with_events, &given, how), 64);
+    ck_assert_int_eq(fail_each(run_with_events, &given, how), 52);
     ck_assert_int_eq(fail_each(run_to_time, &given, how), 2);
     tvi_event_free(event);
     tvi_integrator_free(given.integrator);
