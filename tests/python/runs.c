@@ -234,7 +234,7 @@ int main(void)
         0);
     run("tolerance", system, &taylor, (tvi_run_plan){.tolerance = 1e-12, .t_end = 30}, 0);
     run("tangent", system, NULL, (tvi_run_plan){.h = 0.25, .t_end = 20.1, .has_t_end = true, .D = D, .columns = 4}, 0);
-    check(tvi_suggest_step(system, NULL, 0, q0, p0, 4000, 1e-9, &h));
+    check(tvi_suggest_step(system, NULL, 0, q0, p0, 4000, 1e-8, &h));
     printf("suggested %a\n", h);
     check(tvi_compile(&code, system, &compiled, NULL));
     compiled.compiled = code;

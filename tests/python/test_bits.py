@@ -68,7 +68,7 @@ def runs():
         "events to": run(system, h=0.25, t_end=99, events=[radial]),
         "tolerance": run(system, method="taylor", order=order, tolerance=1e-12, t_end=30),
         "tangent": run(system, h=0.25, t_end=20.1, tangent=np.eye(4)),
-        "suggested": [tvi.suggest_step(system, 0, [1, 0], [0, 0.8], 4000, 1e-9)[0]],
+        "suggested": [tvi.suggest_step(system, 0, [1, 0], [0, 0.8], 4000, 1e-8)[0]],
         "compiled": run(system, h=0.25, t_end=500.1, compiled=tvi.compile(system)),
         "rescaled": run(system.rescaled(), h=0.5, t_end=100.1),
         "rescaled at": run(system.rescaled(lambda q, p: (q @ q) ** 0.75), h=0.5, times=TIMES),
