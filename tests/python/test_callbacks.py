@@ -30,6 +30,22 @@ def height(t, part):
 
 
 class Callbacks(unittest.TestCase):
+    def test_a_callback_that_ends_the_run(self):
+        def bounce(t, q, p):
+            if abs(p[0]) < 0.1:
+                raise StopIteration
+            return -0.5 * p
+
+        fall = tvi.potential(1, lambda q: 9.8 * q[0])
+        floor = tvi.event(lambda q, p: q[0], direction=-1, callback=bounce)
+        for way in ({"h": 0.1}, {"tolerance": 1e-12}):
+            run = tvi.solve(fall, (0, 10), [1], p0=0, events=floor, **way)
+            speeds = np.abs(run.events[0].p[:, 0])
+            self.assertEqual((run.status, run.t_end), (1, run.events[0].t[-1]))
+            self.assertTrue(speeds[-1] < 0.1 <= speeds[-2])
+            self.assertIn("event 0 ended the run", run.message)
+            self.assertEqual(run.p_end[0], run.events[0].p[-1, 0])
+
     def test_bounces(self):
         """Each way to say the step, with and without times, forwards and back, between the steps and at impacts."""
         impacts = np.sqrt(2 / G) * np.array([1, 2, 2.5, 2.75, 2.875])

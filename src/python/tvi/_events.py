@@ -33,7 +33,8 @@ def event(g: Callable, direction: int = 0, terminal: bool = False, callback: Cal
 
     callback(t, q, p): called by tvi.solve at each event with copies of the state. It returns the momenta p [n] with
     which the run goes on, such as those after a bounce or a kick; None leaves p as it is. If the event is terminal, the
-    run ends with them. Such a run takes h or a tolerance, and no error=.
+    run ends with them, and where it raises StopIteration without them. A sign that g changes by a callback is not seen:
+    it did not change along the orbit. Such a run takes h or a tolerance, and no error=.
 
     >>> import numpy as np, tvi
     >>> kepler = tvi.potential(2, lambda q: -1 / np.sqrt(q @ q))

@@ -175,7 +175,7 @@ class Result:
                 "steps": f"{self.stats.steps}, {self.stats.passes / max(self.stats.steps, 1):.1f} passes each, "
                          f"largest tail {self.stats.largest_tail:.1g}",
                 "t, q, p": f"{len(self.t)} states of n = {self.system.n}, to t = {self.t_end:.6g}"}
-        if self.system.has_energy and len(self.t):
+        if self.system.has_energy and len(self.t) and not self._callbacks:
             rows["energy"] = f"{self.energy[0]:.12g}, within {np.ptp(self.energy):.1g}"
         if self.error is not None:
             rows["error"] = f"{self.error:.1e} at the end, measured"

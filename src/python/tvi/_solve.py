@@ -114,7 +114,10 @@ class Run:
             if events[which].callback:
                 if self.recorder is not None:
                     self.recorder.keep(it.t, it.q, it.p)
-                p = events[which].callback(it.t, it.q.copy(), it.p.copy())
+                try:
+                    p = events[which].callback(it.t, it.q.copy(), it.p.copy())
+                except StopIteration:
+                    p, is_ended = None, True
                 if p is not None:
                     it.p = numbers(f"what the callback of event {which} returned", p, it.system.n)
                 if self.recorder is not None:
@@ -322,7 +325,7 @@ def code_of(compiled: Any, system: System, method: Method, steps: float) -> "boo
 def _message(result: Result, events: list) -> str:
     """How the run ended, and what may be doubted."""
     if result.status == 1:
-        ending = [i for i, one in enumerate(events) if one.terminal and len(result.events[i].t)
+        ending = [i for i, one in enumerate(events) if (one.terminal or one.callback) and len(result.events[i].t)
                   and result.events[i].t[-1] == result.t_end]
         text = f"event {ending[0]} ended the run at t = {result.t_end}."
     else:
