@@ -90,8 +90,7 @@ class Interrupted(KeyboardInterrupt):
 
 def text_of(status: int) -> str:
     """What was refused; to be asked in the thread of the call, before another one."""
-    text = ffi.string(lib.tvi_last_error()).decode() or ffi.string(lib.tvi_status_string(status)).decode()
-    return text.replace("tvi_project", "system.project")
+    return ffi.string(lib.tvi_last_error()).decode() or ffi.string(lib.tvi_status_string(status)).decode()
 
 
 def name_of(status: int) -> str:

@@ -180,7 +180,7 @@ def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array 
     """A run from t_span[0] to t_span[1], either way, from q0 [n], and p0 or v0 [n], one of them; 0: at rest.
 
     The step: h (of a rescaled system in s); or error, the wanted error of the state at the end, for which h is chosen
-    by tvi.suggest_step, whose whole runs cost 3 to 6 times the run itself (Result.error is what they measured); or
+    by tvi.suggest_step, whose whole runs cost 3 to 6 times a long run itself (Result.error is what they measured); or
     tolerance, with "taylor", of the order that suits it unless method="taylor" names one. None of them: error=1e-9, or
     the smallest that roundoff allows. largest_step, with error or tolerance, bounds the steps, for what is too short to
     be seen between them, as a push in time. A run with callbacks of events has no error=: give h or a tolerance.
