@@ -17,7 +17,9 @@ ALL     := $(patsubst %,check-%,generated members equilibria optimized)
 
 # What several checks need is built before they run side by side; where that fails, they say so.
 # The last line is the verdict.
-logs_of = $(1:%=$(BUILD)/check/%.log)
+# check-arm is checks of its own, below a folder of its own (arm.mk)
+logs_of = $(patsubst %,$(BUILD)/check/%.log,$(filter-out check-arm,$(1))) \
+          $(if $(filter check-arm,$(1)),$(patsubst %,$(BUILD)/arm/check/%.log,check-arm-built $(ARM_CHECKS)))
 define checks
 	@$(MAKE) --no-print-directory $(JOBS) built man
 	@$(MAKE) --no-print-directory -k $(JOBS) test-programs || true
