@@ -110,6 +110,9 @@ uint64_t jet_tape_continue_hash(uint64_t hash, const jet_tape *tape);
  * until a sweep computes them, so that a number that was read too early shows. */
 void jet_tape_prepare_block(const jet_tape *tape, double *block, int order_count, int lanes);
 
+/* Allocates a block for values and prepares it; free() frees it. Returns NULL if memory is lacking. */
+double *jet_tape_create_block(const jet_tape *tape, int lanes);
+
 /* Sets parameter i in a prepared block to the row value[i][values_per_parameter], for i < parameter_count. A row with
  * fewer values than lanes is repeated over the lanes. Other parameters stay as they are. */
 void jet_tape_set_parameters(const jet_tape *tape, double *block, int lanes, int parameter_count,

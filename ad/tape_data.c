@@ -45,6 +45,13 @@ void jet_tape_prepare_block(const jet_tape *tape, double *block, int order_count
             block[(tape->input_count + i) * lanes + lane] = tape->constant_values[i];
 }
 
+double *jet_tape_create_block(const jet_tape *tape, int lanes)
+{
+    double *block = malloc((size_t)tape->slot_count * (size_t)lanes * sizeof *block);
+    if (block) jet_tape_prepare_block(tape, block, 1, lanes);
+    return block;
+}
+
 void jet_tape_set_parameters(const jet_tape *tape, double *block, int lanes, int parameter_count,
                              int values_per_parameter, const double value[])
 {

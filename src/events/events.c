@@ -34,15 +34,6 @@ static tvi_start_state_source find_start_state_source(const tvi_integrator *it, 
     return memcmp(&t, &stop[2 * n], sizeof t) == 0 ? TVI_FROM_STOP : TVI_FROM_ANY;
 }
 
-/* Allocates the memory in which a tape is evaluated, and writes the tape's constants to it. Returns NULL if memory is
- * exhausted. */
-static double *allocate_tape_block(const jet_tape *tape, int lanes)
-{
-    double *block = malloc((size_t)tape->slot_count * (size_t)lanes * sizeof *block);
-    if (block) jet_tape_prepare_block(tape, block, 1, lanes);
-    return block;
-}
-
 /* Copies the integrator's parameters to the tapes of all events. */
 static void set_parameters_of_tapes(tvi_event_search *search)
 {
@@ -66,7 +57,7 @@ static tvi_status open_tapes(tvi_event_search *search, const tvi_event *const ev
         *w = (tvi_watched_event){.search = search,
                                  .index = event_index,
                                  .event = events[event_index],
-                                 .tape_block = allocate_tape_block(events[event_index]->tape, 1)};
+                                 .tape_block = jet_tape_create_block(events[event_index]->tape, 1)};
         if (!w->tape_block || tvi_event_expansion_open(&w->local_series, w->event) != TVI_OK) return TVI_ENOMEM;
     }
     const tvi_status status = tvi_event_create_joint_tape(&search->joint_tape, events, search->event_count, used);
@@ -76,7 +67,7 @@ static tvi_status open_tapes(tvi_event_search *search, const tvi_event *const ev
         if (used[i] && range->end == 0) range->first = i % n;
         if (used[i]) range->end = i % n + 1;
     }
-    search->joint_tape_block = allocate_tape_block(search->joint_tape, TVI_SAMPLES);
+    search->joint_tape_block = jet_tape_create_block(search->joint_tape, TVI_SAMPLES);
     return search->joint_tape_block ? TVI_OK : TVI_ENOMEM;
 }
 

@@ -256,16 +256,6 @@ tvi_status tvi_at_once_multiply(tvi_columns_at_once *at_once, const tvi_integrat
     return status;
 }
 
-/* Copies the state and the history at the start of the last full step, as in inside_step.c. */
-static void copy_start_of_step(const column_group *group)
-{
-    const tvi_step_history *full = &group->full->history, *part = &group->part->history;
-    tvi_integrator_load_parameters(group->part, group->full->parameters, 1);
-    tvi_arena_copy_history(part->now, full->before, part->copied_bytes);
-    tvi_arena_copy_history(part->now + part->copied_bytes, full->now + part->copied_bytes,
-                           part->bytes - part->copied_bytes);
-}
-
 tvi_status tvi_at_once_multiply_by_part(tvi_columns_at_once *at_once, const tvi_integrator *it, const double start[],
                                         const double parameters[], double offset, double product[])
 {
@@ -273,7 +263,8 @@ tvi_status tvi_at_once_multiply_by_part(tvi_columns_at_once *at_once, const tvi_
     tvi_status status = has_step ? TVI_OK : provide_lifts(at_once, it, start);
     for (int i = 0; i < at_once->group_count && status == TVI_OK; i++) {
         const column_group *group = &at_once->groups[i];
-        if (has_step) copy_start_of_step(group);
+        if (has_step) tvi_integrator_load_parameters(group->part, group->full->parameters, 1);
+        if (has_step) tvi_integrator_copy_before(group->full, group->part->history.now);
         if (has_step) take_state(at_once, group->part, it);
         else load(at_once, group, group->part, it, start, parameters);
         status = make_lifted_step(at_once, group->part, it, offset);

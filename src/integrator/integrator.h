@@ -123,9 +123,12 @@ TVI_NODISCARD tvi_status tvi_integrator_begin_step(tvi_integrator *integrator, d
 bool tvi_integrator_state_equals(const tvi_integrator *integrator, double t, const double q[], const double p[]);
 /* Copies the current state to the user's arrays. */
 void tvi_integrator_copy_state(const tvi_integrator *integrator, double *t, double q[], double p[]);
-/* Evaluates the forces, or the derivatives of the Lagrangian or Hamiltonian, at q and p, arrays as in a tvi_run_state,
- * to guard.field_block. A Lagrangian is evaluated at velocity 0. Returns whether they are finite. */
-bool tvi_integrator_compute_field(tvi_integrator *integrator, const double *q, const double *p);
+/* Evaluates the forces, or the derivatives of the Lagrangian or Hamiltonian, to guard.field_block, at q, an array as in
+ * a tvi_run_state, and the velocities of a Lagrangian or the momenta, which forces do not need; NULL: these are 0.
+ * Returns whether they are finite. */
+bool tvi_integrator_compute_field(tvi_integrator *integrator, const double *q, const double *velocities_or_momenta);
+/* Copies the history from which the integrator made its last step, [history.bytes]. */
+void tvi_integrator_copy_before(const tvi_integrator *integrator, char *history);
 
 /* ---- Runs -------------------------------------------------------------------------------------------------------- */
 

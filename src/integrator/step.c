@@ -135,7 +135,7 @@ void tvi_integrator_compute_curve(tvi_integrator *it, double h)
 
 /* ---- Checks of the new state ------------------------------------------------------------------------------------- */
 
-bool tvi_integrator_compute_field(tvi_integrator *it, const double *q, const double *p)
+bool tvi_integrator_compute_field(tvi_integrator *it, const double *q, const double *velocities_or_momenta)
 {
     const tvi_system *system = it->stepped;
     const jet_tape *tape = system->field_values;
@@ -143,7 +143,8 @@ bool tvi_integrator_compute_field(tvi_integrator *it, const double *q, const dou
     const int n = system->n;
     memcpy(block, q, (size_t)n * sizeof *block);
     for (int i = n; i < system->input_count; i++) block[i] = 0;
-    if (system->form == TVI_HAMILTONIAN || system->form == TVI_FIELD) memcpy(block + n, p, (size_t)n * sizeof *block);
+    if (system->form != TVI_SEPARABLE && velocities_or_momenta)
+        memcpy(block + n, velocities_or_momenta, (size_t)n * sizeof *block);
     tvi_system_write_time(system, block, 1, &q[n]);
     bool is_finite = tape->interpreter_sweeps->values(tape, block, 1);
     for (int i = 0; i < tape->output_count; i++) is_finite = is_finite && isfinite(block[tape->output_slot[i]]);
@@ -154,7 +155,8 @@ bool tvi_integrator_compute_field(tvi_integrator *it, const double *q, const dou
  * step, so that the step is too large, and otherwise TVI_ENONFINITE. */
 static tvi_status status_of_nonfinite_result(tvi_integrator *it)
 {
-    return tvi_integrator_compute_field(it, it->state.q, it->state.p) ? TVI_ETOOLARGE : TVI_ENONFINITE;
+    const double *p = it->stepped->form == TVI_LAGRANGIAN ? NULL : it->state.p;
+    return tvi_integrator_compute_field(it, it->state.q, p) ? TVI_ETOOLARGE : TVI_ENONFINITE;
 }
 
 /* Completes the error text after the stepper has failed with this status, and returns the status of the step. */
@@ -294,6 +296,13 @@ tvi_status tvi_make_steps(tvi_integrator *it, long most_steps, double tolerance,
 tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double p[])
 {
     return tvi_make_steps(it, 1, 0, h, tvi_infinite_end_time(h), t, q, p);
+}
+
+void tvi_integrator_copy_before(const tvi_integrator *it, char *history)
+{
+    const size_t copied = it->history.copied_bytes;
+    tvi_arena_copy_history(history, it->history.before, copied);
+    tvi_arena_copy_history(history + copied, it->history.now + copied, it->history.bytes - copied);
 }
 
 void tvi_integrator_undo_step(tvi_integrator *it, double *t, double q[], double p[])

@@ -16,42 +16,31 @@ void tvi_backward_free(tvi_backward *backward)
     free(backward->integrand_block);
     free(backward->energy_block);
     free(backward->curve);
-    free(backward->field_block);
     free(backward);
 }
 
-/* Sets `difference` for a polynomial through the start of the step, where it is 0, and the nodes. */
+/* Sets `difference` by the barycentric weights w of the nodes and of the start of the step (Berrut and Trefethen, SIAM
+ * Review 46, 2004): w_j / (w_i (x_i - x_j)), and on the diagonal the sum of 1 / (x_j - x_k), k != j. */
 static void set_difference(tvi_backward *to)
 {
     const int m = to->nodes.count;
+    const double *x = to->nodes.theta;
+    double w[TVI_MOST_POINTS];
+    for (int j = 0; j < m; j++) {
+        w[j] = 1 / x[j];
+        for (int k = 0; k < m; k++) w[j] /= k == j ? 1 : x[j] - x[k];
+    }
     for (int i = 0; i < m; i++)
         for (int j = 0; j < m; j++) {
-            double slope = 0; /* of x prod_k (x - theta_k) / (the same at theta_j), k != j, at theta_i */
-            for (int left_out = -1; left_out < m; left_out++) {
-                if (left_out == j) continue;
-                double product = left_out < 0 ? 1 / to->nodes.theta[j] : to->nodes.theta[i] / to->nodes.theta[j];
-                product *= left_out < 0 ? 1 : 1 / (to->nodes.theta[j] - to->nodes.theta[left_out]);
-                for (int k = 0; k < m; k++)
-                    if (k != j && k != left_out)
-                        product *=
-                            (to->nodes.theta[i] - to->nodes.theta[k]) / (to->nodes.theta[j] - to->nodes.theta[k]);
-                slope += product;
-            }
-            to->nodes.difference[i * m + j] = slope;
+            double *element = &to->nodes.difference[i * m + j];
+            *element = i == j ? 1 / x[j] : w[j] / (w[i] * (x[i] - x[j]));
+            for (int k = 0; k < m && i == j; k++) *element += k == j ? 0 : 1 / (x[j] - x[k]);
         }
-}
-
-static double *allocate_block(const jet_tape *tape, int lanes)
-{
-    double *block = malloc((size_t)tape->slot_count * (size_t)lanes * sizeof *block);
-    if (block) jet_tape_prepare_block(tape, block, 1, lanes);
-    return block;
 }
 
 static bool allocate_arrays(tvi_backward *to, const tvi_record *record)
 {
     const tvi_adjoint *adjoint = to->adjoint;
-    const tvi_system *stepped = record->again->stepped;
     const size_t N = (size_t)to->N, points = (size_t)to->nodes.points;
     const struct {
         double **array;
@@ -63,6 +52,7 @@ static bool allocate_arrays(tvi_backward *to, const tvi_record *record)
                   {&to->covector.told, 2 * N},
                   {&to->covector.surface, 2 * N},
                   {&to->rates, 2 * N},
+                  {&to->velocity, N},
                   {&to->by_parameters, (size_t)to->parameters + 1},
                   {&to->values, (size_t)(to->parameters + to->integrals)}};
     const size_t count = sizeof slices / sizeof *slices;
@@ -70,11 +60,9 @@ static bool allocate_arrays(tvi_backward *to, const tvi_record *record)
     for (size_t i = 0; i < count; i++) all += slices[i].size;
     double *memory = calloc(all, sizeof *memory), *next = memory;
     for (size_t i = 0; i < count && memory; i++) *slices[i].array = next, next += slices[i].size;
-    to->integrand_block = allocate_block(adjoint->integrands, to->nodes.points);
-    if (adjoint->energy_by_parameters) to->energy_block = allocate_block(adjoint->energy_by_parameters, 1);
-    to->field_block = malloc(((size_t)stepped->field_values->slot_count + N) * sizeof *to->field_block);
-    if (to->field_block) jet_tape_prepare_block(stepped->field_values, to->field_block, 1, 1);
-    return memory && to->integrand_block && to->field_block && (!adjoint->energy_by_parameters || to->energy_block);
+    to->integrand_block = jet_tape_create_block(adjoint->integrands, to->nodes.points);
+    if (adjoint->energy_by_parameters) to->energy_block = jet_tape_create_block(adjoint->energy_by_parameters, 1);
+    return memory && to->integrand_block && (!adjoint->energy_by_parameters || to->energy_block);
 }
 
 /* Sets to->adjoint, that of the system, or one with the integrals of the record. */
@@ -128,7 +116,6 @@ void tvi_backward_set_parameters(tvi_record *record, tvi_integrator *lift, const
     tvi_integrator_load_parameters(lift, to->values, 1);
     jet_tape_set_parameters(to->adjoint->integrands, to->integrand_block, to->nodes.points,
                             to->parameters + to->integrals, 1, to->values);
-    jet_tape_set_parameters(record->again->stepped->field_values, to->field_block, 1, to->parameters, 1, value);
     if (to->energy_block)
         jet_tape_set_parameters(to->adjoint->energy_by_parameters, to->energy_block, 1, to->parameters, 1, value);
 }

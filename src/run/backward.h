@@ -33,7 +33,7 @@ typedef struct tvi_backward {
         double *exit, *told, *surface;
     } covector;
     double *rates;         /* [2N] x' */
-    double *field_block;   /* the block of the field of a Lagrangian; and then its velocity [N] */
+    double *velocity;      /* [N] of a Lagrangian */
     double *values;        /* [parameters + integrals] the parameters of the lift */
     double *by_parameters; /* [parameters + 1] the integrals so far: by the parameters, and by the time */
 } tvi_backward;

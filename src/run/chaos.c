@@ -36,11 +36,10 @@ static double find_mass(const tvi_system *system, int i)
 static double sum_squares(const tvi_system *system, const double D[], double power)
 {
     const int n = system->n;
-    const bool has_masses = system->form == TVI_SEPARABLE || system->has_masses;
     double square = 0;
     for (int i = 0; i < n; i++) square += (D[i] * power) * (D[i] * power);
     for (int i = 0; i < n; i++) {
-        const double dv = (has_masses ? D[n + i] / system->mass[i] : D[n + i]) * power;
+        const double dv = D[n + i] / find_mass(system, i) * power;
         square += dv * dv;
     }
     return square;

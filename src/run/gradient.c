@@ -13,26 +13,19 @@
 /* Computes the rates x' [2N] of the stepped system at q and p, where q[N] is the variable of the steps. */
 static tvi_status compute_rates(tvi_record *record, const double q[], const double p[], double rates[])
 {
-    tvi_backward *to = record->backward;
-    const tvi_system *stepped = record->again->stepped;
-    const jet_tape *tape = stepped->field_values;
-    const int N = to->N;
-    double *block = to->field_block, *v = block + tape->slot_count;
-    const double *second = p;
-    if (stepped->form == TVI_LAGRANGIAN) {
-        const tvi_status status = tvi_integrator_velocity(record->again, q[N], q, p, v);
-        if (status != TVI_OK) return status;
-        second = v;
-    }
-    memcpy(block, q, (size_t)N * sizeof *q);
-    if (stepped->form != TVI_SEPARABLE) memcpy(block + N, second, (size_t)N * sizeof *q);
-    tvi_system_write_time(stepped, block, 1, &q[N]);
-    if (!jet_sweep_values(tape, block, 1)) return jet_refuse(TVI_EDOMAIN, "the field has no value where it was told");
+    tvi_integrator *again = record->again;
+    const tvi_system *stepped = again->stepped;
+    const int N = stepped->n, *slot = stepped->field_values->output_slot;
+    const bool is_lagrangian = stepped->form == TVI_LAGRANGIAN, is_separable = stepped->form == TVI_SEPARABLE;
+    const double *block = again->guard.field_block;
+    double *v = record->backward->velocity;
+    const tvi_status status = is_lagrangian ? tvi_integrator_velocity(again, q[N], q, p, v) : TVI_OK;
+    if (status != TVI_OK) return status;
+    if (!tvi_integrator_compute_field(again, q, is_lagrangian ? v : p))
+        return jet_refuse(TVI_EDOMAIN, "the field has no value where it was told");
     for (int i = 0; i < N; i++) {
-        const double first_half = block[tape->output_slot[i]];
-        if (stepped->form == TVI_SEPARABLE) rates[i] = p[i] / stepped->mass[i];
-        else rates[i] = stepped->form == TVI_LAGRANGIAN ? v[i] : block[tape->output_slot[N + i]];
-        rates[N + i] = stepped->form == TVI_SEPARABLE || stepped->form == TVI_LAGRANGIAN ? first_half : -first_half;
+        rates[i] = is_separable ? p[i] / stepped->mass[i] : is_lagrangian ? v[i] : block[slot[N + i]];
+        rates[N + i] = is_separable || is_lagrangian ? block[slot[i]] : -block[slot[i]];
     }
     return TVI_OK;
 }

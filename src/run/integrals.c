@@ -13,12 +13,11 @@ static tvi_status open_integral(tvi_record *record, tvi_event_fn *l, void *ctx)
     *made = (tvi_integral){.block = NULL};
     const tvi_status status = tvi_integrand_create(&made->integrand, record->again->system, l, ctx);
     if (status != TVI_OK) return status;
-    made->block = malloc((size_t)made->integrand.tape->slot_count * sizeof *made->block);
+    made->block = jet_tape_create_block(made->integrand.tape, 1);
     if (!made->block) {
         tvi_integrand_free(&made->integrand);
         return jet_explain_out_of_memory(TVI_ENOMEM);
     }
-    jet_tape_prepare_block(made->integrand.tape, made->block, 1, 1);
     record->integrals.count++;
     return TVI_OK;
 }
@@ -132,13 +131,12 @@ void tvi_integrals_drop_step(tvi_record *record)
 tvi_status tvi_integrals_cut_step(tvi_record *record, const tvi_integrator *it, double offset)
 {
     tvi_integrator *again = record->again;
-    const size_t n = (size_t)it->system->n, copied = it->history.copied_bytes;
+    const size_t n = (size_t)it->system->n;
     if (offset == it->last_step.h) return TVI_OK;
     tvi_integrals_drop_step(record);
     double *x = offset != 0 ? malloc((2 * n + 1) * sizeof *x) : NULL;
     if (!x) return offset != 0 ? jet_explain_out_of_memory(TVI_ENOMEM) : TVI_OK;
-    tvi_arena_copy_history(again->history.now, it->history.before, copied);
-    tvi_arena_copy_history(again->history.now + copied, it->history.now + copied, it->history.bytes - copied);
+    tvi_integrator_copy_before(it, again->history.now);
     tvi_integrator_copy_state(again, &x[2 * n], x, x + n);
     tvi_status status = tvi_step(again, offset, &x[2 * n], x, x + n);
     if (status == TVI_OK) status = add(record, again);

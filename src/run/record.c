@@ -187,13 +187,11 @@ static tvi_status add_piece(tvi_record *record, bool starts_anew)
 /* Copies the history from which the integrator has made its last step. */
 static tvi_status add_checkpoint(tvi_record *record, const tvi_integrator *it)
 {
-    const size_t copied = it->history.copied_bytes, bytes = it->history.bytes;
     tvi_status status =
         grow(record, (void **)&record->checkpoints, &record->counts.checkpoints, sizeof *record->checkpoints);
-    char *history = status == TVI_OK ? take(record, bytes) : NULL;
+    char *history = status == TVI_OK ? take(record, it->history.bytes) : NULL;
     if (!history) return TVI_ENOMEM;
-    tvi_arena_copy_history(history, it->history.before, copied);
-    tvi_arena_copy_history(history + copied, it->history.now + copied, bytes - copied);
+    tvi_integrator_copy_before(it, history);
     record->checkpoints[record->counts.checkpoints.count++] = (tvi_checkpoint){record->step_count, history};
     return TVI_OK;
 }
@@ -340,9 +338,8 @@ static tvi_status find_event_gradient(tvi_record *record, const tvi_event *event
     tvi_event_gradient *made = *found = &record->event_gradients[record->counts.event_gradients.count];
     *made = (tvi_event_gradient){.hash = event->hash};
     status = tvi_event_create_gradient_tape(&made->tape, event, parameters);
-    if (status == TVI_OK) made->block = malloc((size_t)made->tape->slot_count * sizeof *made->block);
+    if (status == TVI_OK) made->block = jet_tape_create_block(made->tape, 1);
     if (status == TVI_OK && made->block) {
-        jet_tape_prepare_block(made->tape, made->block, 1, 1);
         record->counts.event_gradients.count++;
         return TVI_OK;
     }
@@ -365,10 +362,10 @@ static tvi_status compute_event_gradient(tvi_record *record, const tvi_event *ev
     return TVI_OK;
 }
 
-tvi_status tvi_record_tell(tvi_record *record, const tvi_event *event, bool is_before_step, double offset,
-                           const double state[])
+tvi_status tvi_record_tell(tvi_record *record, const tvi_event *event, bool is_before_step, double offset, double t,
+                           const double q[], const double p[])
 {
-    const size_t size = 2 * (size_t)record->again->system->n + 1;
+    const size_t n = (size_t)record->again->system->n;
     tvi_told told = {.step = record->step_count - (is_before_step ? 0 : 1),
                      .offset = offset,
                      .index = event ? record->event_count : record->time_count};
@@ -377,9 +374,11 @@ tvi_status tvi_record_tell(tvi_record *record, const tvi_event *event, bool is_b
     const size_t bytes = told_bytes(record, event);
     told.state = status == TVI_OK ? take(record, bytes) : NULL;
     if (!told.state) return TVI_ENOMEM;
-    memcpy(told.state, state, size * sizeof *state);
-    told.gradient = event ? told.state + size : NULL;
-    if (event) status = compute_event_gradient(record, event, state, told.gradient);
+    memcpy(told.state, q, n * sizeof *q);
+    memcpy(told.state + n, p, n * sizeof *p);
+    told.state[2 * n] = t;
+    told.gradient = event ? told.state + 2 * n + 1 : NULL;
+    if (event) status = compute_event_gradient(record, event, told.state, told.gradient);
     if (status != TVI_OK) {
         record->bytes.taken -= bytes;
         free(told.state);
@@ -388,17 +387,4 @@ tvi_status tvi_record_tell(tvi_record *record, const tvi_event *event, bool is_b
     *(event ? &record->event_count : &record->time_count) += 1;
     record->told[record->counts.told.count++] = told;
     return TVI_OK;
-}
-
-tvi_status tvi_record_tell_start(tvi_record *record, double t, const double q[], const double p[])
-{
-    const size_t n = (size_t)record->again->system->n;
-    double *state = malloc((2 * n + 1) * sizeof *state);
-    if (!state) return jet_explain_out_of_memory(TVI_ENOMEM);
-    memcpy(state, q, n * sizeof *q);
-    memcpy(state + n, p, n * sizeof *p);
-    state[2 * n] = t;
-    const tvi_status status = tvi_record_tell(record, NULL, true, 0, state);
-    free(state);
-    return status;
 }

@@ -102,12 +102,10 @@ TVI_NODISCARD tvi_status tvi_record_begin_run(tvi_record *record, const tvi_inte
 TVI_NODISCARD tvi_status tvi_record_add_step(tvi_record *record, const tvi_integrator *integrator);
 /* Takes back the step that was added last. */
 void tvi_record_drop_step(tvi_record *record);
-/* Adds a state [2n + 1] that was told, at the given offset in the step that was added last, or if is_before_step is
+/* Adds a state that was told, at the given offset in the step that was added last, or if is_before_step is
  * set, at the start of the step that follows. `event` is NULL for a time. */
 TVI_NODISCARD tvi_status tvi_record_tell(tvi_record *record, const tvi_event *event, bool is_before_step, double offset,
-                                         const double state[]);
-/* Adds a time at the start of the run. */
-TVI_NODISCARD tvi_status tvi_record_tell_start(tvi_record *record, double t, const double q[], const double p[]);
+                                         double t, const double q[], const double p[]);
 /* Marks what was told last as the event at which the run ends. */
 void tvi_record_mark_exit(tvi_record *record);
 /* Says how and where the integrator's run has ended, which the first call of a run decides. */
@@ -119,6 +117,18 @@ void tvi_record_close(tvi_record *const *record);
 void tvi_record_begin_anew(tvi_record *record);
 /* Returns the size h of a step. */
 double tvi_record_size_of_step(const tvi_record *record, long step);
+/* Finds the state [state_size] at the start of a step, and makes the steps before it again if it is not kept. */
+TVI_NODISCARD tvi_status tvi_record_state(tvi_record *record, long step, const double **state);
+/* Copies the state of a run with its low-order parts to a vector [4N + 2], N coordinates. */
+static inline void tvi_full_state_get(const tvi_run_state *from, int N, double state[])
+{
+    const size_t q = (size_t)N + 1, p = (size_t)N;
+    memcpy(state, from->q, q * sizeof *state);
+    memcpy(state + q, from->p, p * sizeof *state);
+    memcpy(state + q + p, from->q_low, q * sizeof *state);
+    memcpy(state + 2 * q + p, from->p_low, p * sizeof *state);
+}
+
 /* ---- integrals.c ------------------------------------------------------------------------------------------------- */
 
 /* Adds the integrals over the integrator's last step. */
@@ -132,18 +142,8 @@ TVI_NODISCARD tvi_status tvi_integrals_cut_step(tvi_record *record, const tvi_in
 TVI_NODISCARD tvi_status tvi_integrand_at(const tvi_record *record, int index, const double state[], double *value);
 void tvi_integrals_free(tvi_record *record);
 
-/* Finds the state [state_size] at the start of a step, and makes the steps before it again if it is not kept. */
-TVI_NODISCARD tvi_status tvi_record_state(tvi_record *record, long step, const double **state);
-void tvi_backward_free(struct tvi_backward *backward);
+/* ---- backward.c -------------------------------------------------------------------------------------------------- */
 
-/* Copies the state of a run with its low-order parts to a vector [4N + 2], N coordinates, and back. */
-static inline void tvi_full_state_get(const tvi_run_state *from, int N, double state[])
-{
-    const size_t q = (size_t)N + 1, p = (size_t)N;
-    memcpy(state, from->q, q * sizeof *state);
-    memcpy(state + q, from->p, p * sizeof *state);
-    memcpy(state + q + p, from->q_low, q * sizeof *state);
-    memcpy(state + 2 * q + p, from->p_low, p * sizeof *state);
-}
+void tvi_backward_free(struct tvi_backward *backward);
 
 #endif

@@ -163,7 +163,10 @@ static tvi_status check_time_advances(run_in_progress *running, long steps)
 static tvi_status record_root(const run_in_progress *running, const tvi_event_root *root, const tvi_event *event)
 {
     const double offset = root->theta * running->integrator->last_step.h;
-    return running->plan->record ? tvi_record_tell(running->plan->record, event, false, offset, root->state) : TVI_OK;
+    const int n = running->integrator->system->n;
+    const double *x = root->state;
+    return running->plan->record ? tvi_record_tell(running->plan->record, event, false, offset, x[2 * n], x, x + n)
+                                 : TVI_OK;
 }
 
 /* Calls the observer of events with the index of an event and a state [2n + 1]. Returns true if the observer ends the

@@ -65,11 +65,11 @@ static tvi_status report_next_time_in_step(tvi_times_progress *times_progress)
                                                  partial_step->stored_state_offset,
                                                  partial_step->partial_step_integrator->parameters);
     tvi_record *record = times_progress->run->plan->record;
+    const int n = times_progress->integrator->system->n;
+    const double *q = partial_step->state;
     if (status == TVI_OK && record)
-        status = tvi_record_tell(record, NULL, false, partial_step->stored_state_offset, partial_step->state);
-    if (status == TVI_OK)
-        report_state_at_next_time(times_progress, partial_step->state,
-                                  partial_step->state + times_progress->integrator->system->n);
+        status = tvi_record_tell(record, NULL, false, partial_step->stored_state_offset, q[2 * n], q, q + n);
+    if (status == TVI_OK) report_state_at_next_time(times_progress, q, q + n);
     return status;
 }
 
@@ -107,7 +107,7 @@ tvi_status tvi_times_open(tvi_times_progress *times_progress, tvi_integrator *it
     while (!continues_last_step && !times_progress->is_stopped_by_observer &&
            !tvi_times_are_all_reported(times_progress) && run->plan->times[times_progress->next_time_index] == t) {
         if (run->plan->record) {
-            const tvi_status told = tvi_record_tell_start(run->plan->record, t, q, p);
+            const tvi_status told = tvi_record_tell(run->plan->record, NULL, true, 0, t, q, p);
             if (told != TVI_OK) return told;
         }
         report_state_at_next_time(times_progress, q, p);

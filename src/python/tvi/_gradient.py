@@ -76,12 +76,6 @@ class Gradient:
         return f"<tvi gradient: by q0, p0, v0, t0{named}>"
 
 
-def has_constant_mass(system: System) -> bool:
-    while system.kind not in ("potential", "force", "lagrangian", "hamiltonian"):
-        system = system._arguments[0]
-    return system.kind in ("potential", "force")
-
-
 def check_arguments(system: System, is_by_h: bool, v0: Any, callbacks: bool) -> None:
     """Refuses runs that have no gradient, before they are made."""
     if not is_by_h:
@@ -89,7 +83,7 @@ def check_arguments(system: System, is_by_h: bool, v0: Any, callbacks: bool) -> 
     if callbacks:
         raise TypeError("gradient=True does not go with callbacks that change p: make a run to each of the events, "
                         "with a gradient of its own")
-    if v0 is not None and not has_constant_mass(system):
+    if v0 is not None and not system.has_constant_mass:
         raise TypeError("gradient=True with v0= is for constant masses: give p0=, as system.momentum makes it of v0")
 
 
@@ -123,7 +117,7 @@ def gradient_of(result: Any, given: dict[str, Any]) -> Gradient:
     by_start, values = np.empty(2 * n + 1), np.empty(max(1, lib.tvi_system_parameters(run._handle.pointer)))
     check(lib.tvi_gradient(record.handle.pointer, loss, pointer(by_start), pointer(values)))
     del kept
-    v0 = run.masses * by_start[n:2 * n] if has_constant_mass(run) else None
+    v0 = run.masses * by_start[n:2 * n] if run.has_constant_mass else None
     return Gradient(n, by_start, v0, run.named(values))
 
 

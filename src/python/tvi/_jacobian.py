@@ -86,14 +86,7 @@ def _checked(names: Any, system: Any, by_velocities: bool) -> list[str]:
     for name, other in (("p0", "v0"), ("v0", "p0")):
         if name in names and by_velocities == (name == "p0"):
             raise TypeError(f"jacobian: the start is {other}, and so the run has no derivative by {name}")
-    if by_velocities and _kind(system) in ("lagrangian", "hamiltonian"):
+    if by_velocities and not system.has_constant_mass:
         raise TypeError("jacobian: the momenta of a Lagrangian and a Hamiltonian depend on q0, v0 and parameters in "
                         "their own way: give p0, as system.momentum(t, q0, v0)")
     return names
-
-
-def _kind(system: Any) -> str:
-    """How the system was stated that it is made of."""
-    while not isinstance(system._arguments[0], int):
-        system = system._arguments[0]
-    return system.kind

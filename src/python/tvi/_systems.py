@@ -86,6 +86,11 @@ class System:
         return spread("mass", 1.0 if mass is None else mass, self.n).copy()
 
     @property
+    def has_constant_mass(self) -> bool:
+        """Whether it is made of a potential or a force, so that p = mass v."""
+        return self.kind in ("potential", "force") if self.kind in _CALLS else self._arguments[0].has_constant_mass
+
+    @property
     def has_energy(self) -> bool:
         """Whether it has a Hamiltonian: all but a force, and what is made of one."""
         return self.kind != "force" if self.kind in _CALLS else self._arguments[0].has_energy
