@@ -67,13 +67,19 @@ static void set_first_vector(const tvi_system *system, const double p[], double 
 }
 
 /* Adds the last step, or the part of it that ended the run, at the time t. The sum of Y is an integral of the logarithm
- * by trapezia, and so is the mean of Y. A run that stands still at t adds nothing. */
+ * by trapezia, and so is the mean of Y. A run that stands still at t adds nothing, and one that is back at the start has
+ * undone its sums and begins anew. */
 static void add_step(chaos_run *run, double t)
 {
     tvi_chaos *c = run->chaos;
     const double before = c->time, time = fabs(t - c->t_start), length = find_length(run->system, run->D);
     if (time == before) return;
     const double logarithm = log(length), added = logarithm - run->logarithm;
+    if (time == 0) {
+        *c = (tvi_chaos){.t_start = c->t_start, .size = c->size};
+        run->logarithm = logarithm;
+        return;
+    }
     const double y = (c->y * before + added * (before + time)) / time;
     c->megno = (c->megno * before + (c->y + y) / 2 * (time - before)) / time;
     c->y = y;

@@ -232,6 +232,29 @@ START_TEST(stopped_at_a_step)
 }
 END_TEST
 
+/* A run that goes on back to its start has undone its sums, and past it has those of a run that begins there. */
+START_TEST(back_at_start)
+{
+    columns_run run;
+    columns_open(&run, &columns_problems[COLUMNS_KEPLER], NULL, 0);
+    double D[COLUMNS_MOST_ROWS] = {0};
+    tvi_chaos chaos = {0};
+    tvi_run_plan plan = {.h = 0.125, .steps = 20, .D = D, .columns = 1};
+    go(&run, &plan, &chaos);
+    plan.h = -0.125, plan.steps = 19;
+    go(&run, &plan, &chaos);
+    ck_assert(chaos.steps == 39 && chaos.time == 0.125);
+    plan.steps = 1;
+    go(&run, &plan, &chaos);
+    ck_assert(run.t == 0 && chaos.steps == 0 && chaos.growth == 0 && chaos.y == 0 && chaos.megno == 0);
+    plan.steps = 20;
+    go(&run, &plan, &chaos);
+    ck_assert(run.t == -2.5 && chaos.time == 2.5 && chaos.steps == 20);
+    ck_assert(isfinite(chaos.megno) && isfinite(chaos.y) && isfinite(chaos.lyapunov));
+    columns_close(&run);
+}
+END_TEST
+
 /* The vector has the bits of a column that tvi_run moves at once, and is at its end in the user's D. */
 START_TEST(moved_at_once)
 {
@@ -369,6 +392,7 @@ Suite *suite_chaos(void)
     tcase_add_loop_test(tests, same_run, 0, COLUMNS_PROBLEMS);
     tcase_add_loop_test(tests, stopped, 0, 4);
     tcase_add_test(tests, stopped_at_a_step);
+    tcase_add_test(tests, back_at_start);
     tcase_add_loop_test(tests, moved_at_once, 0, COLUMNS_PROBLEMS);
     tcase_add_loop_test(tests, cut, 0, COLUMNS_PROBLEMS);
     tcase_add_test(tests, masses);
