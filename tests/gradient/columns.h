@@ -33,20 +33,27 @@ enum {
 };
 enum { COLUMNS_PROBLEMS = 7 };
 
-/* A run that is at hand. D [rows][rows] begins as the identity. */
+/* A run that is at hand. D [rows][rows] begins as the identity; the record is NULL, or that of gradient_open. */
 typedef struct {
     const columns_problem *problem;
     tvi_system *system, *base;
     tvi_integrator *it;
+    tvi_record *record;
     int n, rows;
     double t, q[COLUMNS_MOST_N], p[COLUMNS_MOST_N], D[COLUMNS_MOST];
 } columns_run;
 void columns_open(columns_run *run, const columns_problem *problem, const char *method, int order);
 void columns_close(columns_run *run);
+/* Two runs from one start, which a test then compares. */
+void columns_open_pair(columns_run pair[2], const columns_problem *problem, const char *method, int order);
+void columns_close_pair(columns_run pair[2]);
+/* Ends the test where t, q and p are not the same bits. */
+void columns_same_state(const columns_run pair[2]);
 /* The plan of so many steps of its h, with D. */
 tvi_run_plan columns_plan(columns_run *run, bool at_once, long steps);
 
-/* The largest difference of two matrices D in a column, relative to the largest element of that column of b. */
+/* The largest difference of two matrices in a column, relative to the largest element of that column of b; NAN where
+ * elements are. */
 double columns_distance(int rows, int columns, const double a[], const double b[]);
 
 /* L(q, v) whose momenta are not masses times velocities. */

@@ -215,9 +215,26 @@ void columns_open(columns_run *run, const columns_problem *problem, const char *
 
 void columns_close(columns_run *run)
 {
+    tvi_record_free(run->record);
     tvi_integrator_free(run->it);
     tvi_system_free(run->system);
     tvi_system_free(run->base);
+}
+
+void columns_open_pair(columns_run pair[2], const columns_problem *problem, const char *method, int order)
+{
+    for (int k = 0; k < 2; k++) columns_open(&pair[k], problem, method, order);
+}
+
+void columns_close_pair(columns_run pair[2])
+{
+    for (int k = 0; k < 2; k++) columns_close(&pair[k]);
+}
+
+void columns_same_state(const columns_run pair[2])
+{
+    ck_assert(pair[0].t == pair[1].t && memcmp(pair[0].q, pair[1].q, sizeof pair[0].q) == 0);
+    ck_assert(memcmp(pair[0].p, pair[1].p, sizeof pair[0].p) == 0);
 }
 
 tvi_run_plan columns_plan(columns_run *run, bool at_once, long steps)
@@ -234,6 +251,7 @@ double columns_distance(int rows, int columns, const double a[], const double b[
         for (int i = 0; i < rows; i++) {
             size = fmax(size, fabs(b[i * columns + c]));
             apart = fmax(apart, fabs(a[i * columns + c] - b[i * columns + c]));
+            if (isnan(a[i * columns + c]) || isnan(b[i * columns + c])) return NAN; /* which fmax leaves out */
         }
         most = fmax(most, apart == 0 ? 0 : apart / size);
     }

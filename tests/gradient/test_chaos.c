@@ -1,6 +1,5 @@
 /* test_chaos.c - Tests the Lyapunov exponent and MEGNO of tvi_run_chaos: by their sums over steps of tvi_step_tangent,
  * on regular and chaotic orbits, and that the run beside them is the user's, bit for bit. */
-#include "columns.h"
 #include "gradient.h"
 #include "problems/refusals.h"
 #include "system/system.h"
@@ -21,11 +20,6 @@ static tvi_chaos chaos_of(columns_run *run, long steps)
     go(run, &plan, &chaos);
     ck_assert_int_eq(chaos.steps, steps);
     return chaos;
-}
-
-static void same_state(const columns_run *a, const columns_run *b)
-{
-    ck_assert(a->t == b->t && memcmp(a->q, b->q, sizeof a->q) == 0 && memcmp(a->p, b->p, sizeof a->p) == 0);
 }
 
 static void same_chaos(const tvi_chaos *a, const tvi_chaos *b)
@@ -82,14 +76,12 @@ START_TEST(sums)
     const bool is_other = _i == GRADIENT_PROBLEMS;
     const columns_problem *problem = is_other ? &columns_problems[COLUMNS_KEPLER] : gradient_problem(_i);
     const long steps = _i == COLUMNS_CHAOTIC ? 10000 : is_other ? 200 : 1000;
-    columns_run run, by_steps;
-    columns_open(&run, problem, is_other ? "midpoint" : NULL, 8);
-    columns_open(&by_steps, problem, is_other ? "midpoint" : NULL, 8);
-    const tvi_chaos chaos = chaos_of(&run, steps), wanted = sum_up(&by_steps, problem->h, steps);
-    same_state(&run, &by_steps);
+    columns_run pair[2];
+    columns_open_pair(pair, problem, is_other ? "midpoint" : NULL, 8);
+    const tvi_chaos chaos = chaos_of(&pair[0], steps), wanted = sum_up(&pair[1], problem->h, steps);
+    columns_same_state(pair);
     expect_sums(problem->name, &chaos, &wanted);
-    columns_close(&run);
-    columns_close(&by_steps);
+    columns_close_pair(pair);
 }
 END_TEST
 
@@ -151,14 +143,13 @@ START_TEST(same_run)
     static diary with, without;
     const double times[] = {1.3, 1.4, 6.05, 12}, level = 0.1;
     tvi_event *event;
-    columns_run a, b;
-    columns_open(&a, &columns_problems[_i], NULL, 0);
-    columns_open(&b, &columns_problems[_i], NULL, 0);
-    ck_assert_int_eq(tvi_event_create(&event, a.n, TVI_EITHER, false, first, (void *)&level), TVI_OK);
+    columns_run pair[2];
+    columns_open_pair(pair, &columns_problems[_i], NULL, 0);
+    ck_assert_int_eq(tvi_event_create(&event, pair[0].n, TVI_EITHER, false, first, (void *)&level), TVI_OK);
     const tvi_event *const events[] = {event};
     tvi_chaos chaos = {0};
     with = (diary){.chaos = &chaos}, without = (diary){0};
-    tvi_run_plan plan = {.h = a.problem->h,
+    tvi_run_plan plan = {.h = pair[0].problem->h,
                          .t_end = 13,
                          .has_t_end = true,
                          .times = times,
@@ -169,20 +160,20 @@ START_TEST(same_run)
                          .on_event = tell,
                          .at_step = tell_step,
                          .ctx = &with};
-    go(&a, &plan, &chaos);
-    ck_assert(chaos.time == 13 && a.t == 13);
+    go(&pair[0], &plan, &chaos);
+    ck_assert(chaos.time == 13 && pair[0].t == 13);
     plan.ctx = &without;
-    ck_assert_int_eq(tvi_run(b.it, &plan, &b.t, b.q, b.p), TVI_OK);
-    plan = (tvi_run_plan){.h = a.problem->h, .steps = 20, .observer = tell_members, .ctx = &with};
-    go(&a, &plan, &chaos);
+    ck_assert_int_eq(tvi_run(pair[1].it, &plan, &pair[1].t, pair[1].q, pair[1].p), TVI_OK);
+    plan = (tvi_run_plan){.h = pair[0].problem->h, .steps = 20, .observer = tell_members, .ctx = &with};
+    go(&pair[0], &plan, &chaos);
     ck_assert_int_eq(chaos.steps, 20);
     plan.ctx = &without;
-    ck_assert_int_eq(tvi_run(b.it, &plan, &b.t, b.q, b.p), TVI_OK);
-    same_state(&a, &b);
+    ck_assert_int_eq(tvi_run(pair[1].it, &plan, &pair[1].t, pair[1].q, pair[1].p), TVI_OK);
+    columns_same_state(pair);
+    ck_assert_int_ge(with.count, (int)(13 / plan.h) + 20 + 4); /* of steps and times, beside events */
     ck_assert(with.count == without.count && memcmp(with.told, without.told, sizeof with.told) == 0);
     tvi_event_free(event);
-    columns_close(&a);
-    columns_close(&b);
+    columns_close_pair(pair);
 }
 END_TEST
 
@@ -192,21 +183,19 @@ START_TEST(stopped)
     static const int problems[] = {COLUMNS_KEPLER, COLUMNS_MAGNETIC, COLUMNS_DRIVEN, COLUMNS_REVERSIBLE};
     const double level = 0.3;
     tvi_event *event;
-    columns_run a, b;
-    columns_open(&a, &columns_problems[problems[_i]], NULL, 0);
-    columns_open(&b, &columns_problems[problems[_i]], NULL, 0);
-    ck_assert_int_eq(tvi_event_create(&event, a.n, TVI_EITHER, true, first, (void *)&level), TVI_OK);
+    columns_run pair[2];
+    columns_open_pair(pair, &columns_problems[problems[_i]], NULL, 0);
+    ck_assert_int_eq(tvi_event_create(&event, pair[0].n, TVI_EITHER, true, first, (void *)&level), TVI_OK);
     const tvi_event *const events[] = {event};
     tvi_chaos to_event = {0}, to_time = {0};
-    tvi_run_plan plan = {.h = a.problem->h, .steps = 1000, .events = events, .event_count = 1};
-    ck_assert_int_eq(tvi_run_chaos(a.it, &plan, &to_event, &a.t, a.q, a.p), TVI_ESTOPPED);
-    ck_assert(to_event.time == a.t && a.t > 0);
-    plan = (tvi_run_plan){.h = a.problem->h, .t_end = a.t, .has_t_end = true};
-    go(&b, &plan, &to_time);
-    expect_sums(a.problem->name, &to_event, &to_time);
+    tvi_run_plan plan = {.h = pair[0].problem->h, .steps = 1000, .events = events, .event_count = 1};
+    ck_assert_int_eq(tvi_run_chaos(pair[0].it, &plan, &to_event, &pair[0].t, pair[0].q, pair[0].p), TVI_ESTOPPED);
+    ck_assert(to_event.time == pair[0].t && pair[0].t > 0);
+    plan = (tvi_run_plan){.h = pair[0].problem->h, .t_end = pair[0].t, .has_t_end = true};
+    go(&pair[1], &plan, &to_time);
+    expect_sums(pair[0].problem->name, &to_event, &to_time);
     tvi_event_free(event);
-    columns_close(&a);
-    columns_close(&b);
+    columns_close_pair(pair);
 }
 END_TEST
 
@@ -258,46 +247,43 @@ END_TEST
 /* The vector has the bits of a column that tvi_run moves at once, and is at its end in the user's D. */
 START_TEST(moved_at_once)
 {
-    columns_run run, plain;
-    columns_open(&run, &columns_problems[_i], NULL, 0);
-    columns_open(&plain, &columns_problems[_i], NULL, 0);
+    columns_run pair[2];
+    columns_open_pair(pair, &columns_problems[_i], NULL, 0);
     double D[COLUMNS_MOST_ROWS] = {0}, of_plain[COLUMNS_MOST_ROWS];
     tvi_chaos chaos = {0};
-    tvi_run_plan plan = {.h = run.problem->h, .D = D, .columns = 1};
-    go(&run, &plan, &chaos);
+    tvi_run_plan plan = {.h = pair[0].problem->h, .D = D, .columns = 1};
+    go(&pair[0], &plan, &chaos);
     memcpy(of_plain, D, sizeof D);
     plan.steps = 100;
-    go(&run, &plan, &chaos);
+    go(&pair[0], &plan, &chaos);
+    ck_assert(memcmp(of_plain, D, sizeof D) != 0);
     plan.D = of_plain, plan.columns_at_once = true;
-    ck_assert_int_eq(tvi_run(plain.it, &plan, &plain.t, plain.q, plain.p), TVI_OK);
+    ck_assert_int_eq(tvi_run(pair[1].it, &plan, &pair[1].t, pair[1].q, pair[1].p), TVI_OK);
     ck_assert(memcmp(of_plain, D, sizeof D) == 0);
-    columns_close(&run);
-    columns_close(&plain);
+    columns_close_pair(pair);
 }
 END_TEST
 
 /* In several calls, with the vector that the library makes of zeros: the same bits. */
 START_TEST(cut)
 {
-    columns_run whole, parts;
-    columns_open(&whole, &columns_problems[_i], NULL, 0);
-    columns_open(&parts, &columns_problems[_i], NULL, 0);
-    whole.t = parts.t = 3;
-    const tvi_chaos wanted = chaos_of(&whole, 3000);
+    columns_run pair[2];
+    columns_open_pair(pair, &columns_problems[_i], NULL, 0);
+    pair[0].t = pair[1].t = 3;
+    const tvi_chaos wanted = chaos_of(&pair[0], 3000);
     double D[COLUMNS_MOST_ROWS] = {0};
     tvi_chaos chaos = {.size = sizeof chaos};
-    tvi_run_plan plan = {.h = parts.problem->h, .D = D, .columns = 1};
+    tvi_run_plan plan = {.h = pair[1].problem->h, .D = D, .columns = 1};
     for (long done = 0, steps = 1; done < 3000; done += steps, steps = done < 1000 ? 333 : 3000 - done) {
         plan.steps = steps;
-        go(&parts, &plan, &chaos);
+        go(&pair[1], &plan, &chaos);
     }
-    same_state(&whole, &parts);
+    columns_same_state(pair);
     same_chaos(&chaos, &wanted);
     plan.D = NULL, plan.columns = 0, plan.steps = 1;
-    go(&parts, &plan, &chaos);
-    ck_assert(chaos.steps == 1 && chaos.size == sizeof chaos && chaos.t_start == whole.t);
-    columns_close(&whole);
-    columns_close(&parts);
+    go(&pair[1], &plan, &chaos);
+    ck_assert(chaos.steps == 1 && chaos.size == sizeof chaos && chaos.t_start == pair[0].t);
+    columns_close_pair(pair);
 }
 END_TEST
 
@@ -339,21 +325,19 @@ END_TEST
 /* Vectors of lengths whose squares are no doubles. */
 START_TEST(lengths)
 {
-    columns_run run, scaled;
+    columns_run pair[2];
     for (int exponent = -600; exponent <= 600; exponent += 1200) {
         double D[5] = {0.1, 0.2, 0.3, 0.4}, of_scale[5];
         tvi_chaos chaos = {0}, of_scaled = {0};
         for (int i = 0; i < 5; i++) of_scale[i] = ldexp(D[i], exponent);
-        columns_open(&run, &columns_problems[COLUMNS_CHAOTIC], NULL, 0);
-        columns_open(&scaled, &columns_problems[COLUMNS_CHAOTIC], NULL, 0);
+        columns_open_pair(pair, &columns_problems[COLUMNS_CHAOTIC], NULL, 0);
         tvi_run_plan plan = {.h = 0.5, .steps = 100, .D = D, .columns = 1};
-        go(&run, &plan, &chaos);
+        go(&pair[0], &plan, &chaos);
         plan.D = of_scale;
-        go(&scaled, &plan, &of_scaled);
+        go(&pair[1], &plan, &of_scaled);
         expect_sums("a scaled vector", &of_scaled, &chaos);
         ck_assert(fabs(of_scale[0]) < 1e4);
-        columns_close(&run);
-        columns_close(&scaled);
+        columns_close_pair(pair);
     }
 }
 END_TEST

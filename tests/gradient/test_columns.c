@@ -20,31 +20,22 @@ static void steps(columns_run *run, bool at_once, long count)
     go(run, &plan);
 }
 
-static double largest(int count, const double x[])
+/* Ends the test where the orbits are not the same, or matrices differ by more than `most` of their largest element. */
+static void expect_as_alone(const columns_run pair[2], double most)
 {
-    double most = 0;
-    for (int i = 0; i < count; i++) most = fmax(most, fabs(x[i]));
-    return most;
+    const double apart = columns_distance(pair[0].rows * pair[0].rows, 1, pair[0].D, pair[1].D);
+    columns_same_state(pair);
+    ck_assert_msg(apart <= most, "%s: %g", pair[0].problem->name, apart);
 }
 
-/* The largest difference of elements, relative to the largest element. */
-static double relative_difference(int count, const double a[], const double b[])
+static void expect_same_bits(const columns_run pair[2])
 {
-    double most = 0;
-    for (int i = 0; i < count; i++) most = fmax(most, fabs(a[i] - b[i]));
-    return most / largest(count, b);
+    columns_same_state(pair);
+    ck_assert_msg(memcmp(pair[0].D, pair[1].D, sizeof pair[0].D) == 0, "%s", pair[0].problem->name);
 }
 
-static void same_state(const columns_run *a, const columns_run *b)
-{
-    ck_assert(a->t == b->t && memcmp(a->q, b->q, sizeof a->q) == 0 && memcmp(a->p, b->p, sizeof a->p) == 0);
-}
-
-static void same_bits(const columns_run *a, const columns_run *b)
-{
-    same_state(a, b);
-    ck_assert_msg(memcmp(a->D, b->D, sizeof a->D) == 0, "%s", a->problem->name);
-}
+/* Opens two runs of the problem _i by the default method. */
+static void open_pair(columns_run pair[2], int i) { columns_open_pair(pair, &columns_problems[i], NULL, 0); }
 
 /* ---- A run ------------------------------------------------------------------------------------------------------- */
 
@@ -64,54 +55,45 @@ START_TEST(as_alone)
     const columns_problem *problem = &columns_problems[is_other ? others[_i - COLUMNS_PROBLEMS].problem : _i];
     const char *method = is_other ? others[_i - COLUMNS_PROBLEMS].method : NULL;
     const int order = is_other ? others[_i - COLUMNS_PROBLEMS].order : 0;
-    columns_run at_once, alone;
-    columns_open(&at_once, problem, method, order);
-    columns_open(&alone, problem, method, order);
-    steps(&at_once, true, is_other ? 300 : 1000);
-    steps(&alone, false, is_other ? 300 : 1000);
-    same_state(&at_once, &alone);
-    const double apart = relative_difference(at_once.rows * at_once.rows, at_once.D, alone.D);
-    ck_assert_msg(apart <= 1e-12, "%s: %g", problem->name, apart);
-    columns_close(&at_once);
-    columns_close(&alone);
+    columns_run pair[2];
+    columns_open_pair(pair, problem, method, order);
+    for (int k = 0; k < 2; k++) steps(&pair[k], k == 0, is_other ? 300 : 1000);
+    expect_as_alone(pair, 1e-12);
+    columns_close_pair(pair);
 }
 END_TEST
 
 /* To a time, either way, with a last step of another size; and back. */
 START_TEST(to_a_time)
 {
-    columns_run at_once, alone, *both[] = {&at_once, &alone};
+    columns_run pair[2];
+    open_pair(pair, _i);
     for (int k = 0; k < 2; k++) {
-        columns_open(both[k], &columns_problems[_i], NULL, 0);
-        tvi_run_plan plan = columns_plan(both[k], k == 0, 0);
+        tvi_run_plan plan = columns_plan(&pair[k], k == 0, 0);
         plan.has_t_end = true;
         plan.t_end = 7.3;
-        go(both[k], &plan);
+        go(&pair[k], &plan);
         plan.h = -plan.h, plan.t_end = 2.2;
-        go(both[k], &plan);
+        go(&pair[k], &plan);
     }
-    same_state(&at_once, &alone);
-    ck_assert_double_le(relative_difference(at_once.rows * at_once.rows, at_once.D, alone.D), 1e-13);
-    columns_close(&at_once);
-    columns_close(&alone);
+    expect_as_alone(pair, 1e-13);
+    columns_close_pair(pair);
 }
 END_TEST
 
 /* Each column is measured by itself: beside others of other scales it has the same bits. */
 START_TEST(scales)
 {
-    columns_run plain, scaled;
-    columns_open(&plain, &columns_problems[_i], NULL, 0);
-    columns_open(&scaled, &columns_problems[_i], NULL, 0);
-    const int rows = plain.rows;
-    for (int i = 0; i < rows * rows; i++) plain.D[i] += 0.1 * sin(i), scaled.D[i] = plain.D[i];
-    for (int i = 0; i < rows * rows; i++) scaled.D[i] = ldexp(scaled.D[i], 100 * (i % rows % 3 - 1));
-    steps(&plain, true, 100);
-    steps(&scaled, true, 100);
-    for (int i = 0; i < rows * rows; i++) scaled.D[i] = ldexp(scaled.D[i], -100 * (i % rows % 3 - 1));
-    same_bits(&plain, &scaled);
-    columns_close(&plain);
-    columns_close(&scaled);
+    columns_run pair[2];
+    open_pair(pair, _i);
+    const int rows = pair[0].rows;
+    for (int i = 0; i < rows * rows; i++) pair[0].D[i] += 0.1 * sin(i), pair[1].D[i] = pair[0].D[i];
+    for (int i = 0; i < rows * rows; i++) pair[1].D[i] = ldexp(pair[1].D[i], 100 * (i % rows % 3 - 1));
+    steps(&pair[0], true, 100);
+    steps(&pair[1], true, 100);
+    for (int i = 0; i < rows * rows; i++) pair[1].D[i] = ldexp(pair[1].D[i], -100 * (i % rows % 3 - 1));
+    expect_same_bits(pair);
+    columns_close_pair(pair);
 }
 END_TEST
 
@@ -169,48 +151,43 @@ static void tell_run(columns_run *run, bool at_once, const double times[], const
 START_TEST(times_and_events)
 {
     static diary one, other;
-    columns_run at_once, alone;
+    columns_run pair[2];
     double times[TOLD_TIMES];
     const columns_problem *problem = &columns_problems[_i];
     tvi_event *event = event_below(problem, false);
-    columns_open(&at_once, problem, NULL, 0);
-    columns_open(&alone, problem, NULL, 0);
+    open_pair(pair, _i);
     for (int i = 0; i < TOLD_TIMES; i++) times[i] = problem->h * (i < 6 ? 0.25 * i : 0.7 * i);
-    tell_run(&at_once, true, times, event, &one);
-    tell_run(&alone, false, times, event, &other);
+    tell_run(&pair[0], true, times, event, &one);
+    tell_run(&pair[1], false, times, event, &other);
     ck_assert_int_eq(one.count, other.count);
     ck_assert_int_gt(one.count, TOLD_TIMES);
     for (int i = 0; i < one.count; i++) {
         ck_assert(one.t[i] == other.t[i]);
-        ck_assert_double_le(relative_difference(at_once.rows * at_once.rows, one.D[i], other.D[i]), 1e-13);
+        ck_assert_double_le(columns_distance(pair[0].rows * pair[0].rows, 1, one.D[i], other.D[i]), 1e-13);
     }
-    same_state(&at_once, &alone);
-    ck_assert_double_le(relative_difference(at_once.rows * at_once.rows, at_once.D, alone.D), 1e-13);
+    expect_as_alone(pair, 1e-13);
     tvi_event_free(event);
-    columns_close(&at_once);
-    columns_close(&alone);
+    columns_close_pair(pair);
 }
 END_TEST
 
 /* A terminal event ends the run with D there, from which it goes on. */
 START_TEST(on_from_an_event)
 {
-    columns_run at_once, alone, *both[] = {&at_once, &alone};
+    columns_run pair[2];
     tvi_event *event = event_below(&columns_problems[_i], true);
     const tvi_event *const *events = (const tvi_event *const *)&event;
+    open_pair(pair, _i);
     for (int k = 0; k < 2; k++) {
-        columns_open(both[k], &columns_problems[_i], NULL, 0);
-        tvi_run_plan plan = columns_plan(both[k], k == 0, 10000);
+        tvi_run_plan plan = columns_plan(&pair[k], k == 0, 10000);
         plan.events = events, plan.event_count = 1;
         for (int i = 0; i < 3; i++)
-            ck_assert_int_eq(tvi_run(both[k]->it, &plan, &both[k]->t, both[k]->q, both[k]->p), TVI_ESTOPPED);
-        steps(both[k], k == 0, 10);
+            ck_assert_int_eq(tvi_run(pair[k].it, &plan, &pair[k].t, pair[k].q, pair[k].p), TVI_ESTOPPED);
+        steps(&pair[k], k == 0, 10);
     }
-    same_state(&at_once, &alone);
-    ck_assert_double_le(relative_difference(at_once.rows * at_once.rows, at_once.D, alone.D), 2e-13);
+    expect_as_alone(pair, 2e-13);
     tvi_event_free(event);
-    columns_close(&at_once);
-    columns_close(&alone);
+    columns_close_pair(pair);
 }
 END_TEST
 
@@ -218,14 +195,12 @@ END_TEST
 
 START_TEST(cut_runs)
 {
-    columns_run whole, cut;
-    columns_open(&whole, &columns_problems[_i], NULL, 0);
-    columns_open(&cut, &columns_problems[_i], NULL, 0);
-    steps(&whole, true, 40);
-    for (int k = 0; k < 3; k++) steps(&cut, true, (const int[]){1, 12, 27}[k]);
-    same_bits(&whole, &cut);
-    columns_close(&whole);
-    columns_close(&cut);
+    columns_run pair[2];
+    open_pair(pair, _i);
+    steps(&pair[0], true, 40);
+    for (int k = 0; k < 3; k++) steps(&pair[1], true, (const int[]){1, 12, 27}[k]);
+    expect_same_bits(pair);
+    columns_close_pair(pair);
 }
 END_TEST
 
@@ -234,27 +209,27 @@ END_TEST
 START_TEST(times_in_two_calls)
 {
     static diary one, parts;
-    columns_run whole, cut, *both[] = {&whole, &cut};
+    columns_run pair[2];
     const double h = columns_problems[_i].h, times[] = {0.4 * h, 2.1 * h, 2.3 * h, 2.6 * h, 4.5 * h};
     for (int mixed = 0; mixed < 2; mixed++) {
+        open_pair(pair, _i);
         for (int k = 0; k < 2; k++) {
             diary *d = k ? &parts : &one;
-            columns_open(both[k], &columns_problems[_i], NULL, 0);
-            tvi_run_plan plan = columns_plan(both[k], k == 0 || !mixed, 0);
+            tvi_run_plan plan = columns_plan(&pair[k], k == 0 || !mixed, 0);
             plan.times = times, plan.time_count = k ? 3 : 5;
             plan.at_time = tell, plan.ctx = d;
-            d->run = both[k], d->count = 0;
-            go(both[k], &plan);
+            d->run = &pair[k], d->count = 0;
+            go(&pair[k], &plan);
             plan.times = times + 3, plan.time_count = 2, plan.columns_at_once = true;
-            if (k) go(both[k], &plan);
+            if (k) go(&pair[k], &plan);
         }
         ck_assert_int_eq(parts.count, 5);
         for (int i = 0; i < 5; i++)
-            if (mixed) ck_assert_double_le(relative_difference(whole.rows * whole.rows, parts.D[i], one.D[i]), 1e-14);
+            if (mixed)
+                ck_assert_double_le(columns_distance(pair[0].rows * pair[0].rows, 1, parts.D[i], one.D[i]), 1e-14);
             else ck_assert(memcmp(parts.D[i], one.D[i], sizeof one.D[i]) == 0);
-        if (!mixed) same_bits(&whole, &cut);
-        columns_close(&whole);
-        columns_close(&cut);
+        if (!mixed) expect_same_bits(pair);
+        columns_close_pair(pair);
     }
 }
 END_TEST
@@ -262,18 +237,16 @@ END_TEST
 /* From a state with the D of the last step's end: nothing is left of the steps before. */
 START_TEST(begins_anew)
 {
-    columns_run again, fresh;
-    columns_open(&again, &columns_problems[_i], NULL, 0);
-    columns_open(&fresh, &columns_problems[_i], NULL, 0);
-    steps(&again, true, 20);
-    again.t = 0;
-    again.problem->start(again.q, again.p);
-    memcpy(fresh.D, again.D, sizeof fresh.D);
-    steps(&again, true, 20);
-    steps(&fresh, true, 20);
-    same_bits(&again, &fresh);
-    columns_close(&again);
-    columns_close(&fresh);
+    columns_run pair[2];
+    open_pair(pair, _i);
+    steps(&pair[0], true, 20);
+    pair[0].t = 0;
+    pair[0].problem->start(pair[0].q, pair[0].p);
+    memcpy(pair[1].D, pair[0].D, sizeof pair[1].D);
+    steps(&pair[0], true, 20);
+    steps(&pair[1], true, 20);
+    expect_same_bits(pair);
+    columns_close_pair(pair);
 }
 END_TEST
 
@@ -281,27 +254,25 @@ END_TEST
 START_TEST(from_a_text)
 {
     static char text[1 << 16];
-    columns_run at_once, alone, *both[] = {&at_once, &alone};
+    columns_run pair[2];
+    open_pair(pair, _i);
     for (int k = 0; k < 2; k++) {
         columns_run other;
         double value[COLUMNS_MOST_PARAMETERS];
         size_t size = sizeof text;
         columns_open(&other, &columns_problems[_i], NULL, 0);
-        columns_open(both[k], &columns_problems[_i], NULL, 0);
         tvi_system_recorded_parameters(other.system, value);
         for (int i = 0; i < other.rows - 2 * other.n; i++) value[i] *= 1.1;
         ck_assert_int_eq(tvi_integrator_set_parameters(other.it, value), TVI_OK);
         steps(&other, false, 8);
-        steps(both[k], k == 0, 8);
+        steps(&pair[k], k == 0, 8);
         ck_assert_int_eq(tvi_state_to_text(other.it, other.t, other.q, other.p, text, &size), TVI_OK);
-        ck_assert_int_eq(tvi_state_from_text(both[k]->it, text, size, &both[k]->t, both[k]->q, both[k]->p), TVI_OK);
-        steps(both[k], k == 0, 8);
+        ck_assert_int_eq(tvi_state_from_text(pair[k].it, text, size, &pair[k].t, pair[k].q, pair[k].p), TVI_OK);
+        steps(&pair[k], k == 0, 8);
         columns_close(&other);
     }
-    same_state(&at_once, &alone);
-    ck_assert_double_le(relative_difference(at_once.rows * at_once.rows, at_once.D, alone.D), 1e-13);
-    columns_close(&at_once);
-    columns_close(&alone);
+    expect_as_alone(pair, 1e-13);
+    columns_close_pair(pair);
 }
 END_TEST
 
@@ -318,26 +289,24 @@ static int change(int member, int which, double t, const double q[], const doubl
 
 START_TEST(changed_between)
 {
-    columns_run at_once, alone, *both[] = {&at_once, &alone};
+    columns_run pair[2];
+    open_pair(pair, _i);
     for (int k = 0; k < 2; k++) {
         double value[COLUMNS_MOST_PARAMETERS];
-        columns_open(both[k], &columns_problems[_i], NULL, 0);
-        tvi_run_plan plan = columns_plan(both[k], k == 0, 30);
+        tvi_run_plan plan = columns_plan(&pair[k], k == 0, 30);
         plan.at_step = change;
-        plan.ctx = both[k];
-        go(both[k], &plan);
-        tvi_system_recorded_parameters(both[k]->system, value);
-        for (int i = 0; i < both[k]->rows - 2 * both[k]->n; i++) value[i] *= 1.01;
-        ck_assert_int_eq(tvi_integrator_set_parameters(both[k]->it, value), TVI_OK);
-        steps(both[k], k == 0, 20);
-        tvi_integrator_reset(both[k]->it);
+        plan.ctx = &pair[k];
+        go(&pair[k], &plan);
+        tvi_system_recorded_parameters(pair[k].system, value);
+        for (int i = 0; i < pair[k].rows - 2 * pair[k].n; i++) value[i] *= 1.01;
+        ck_assert_int_eq(tvi_integrator_set_parameters(pair[k].it, value), TVI_OK);
+        steps(&pair[k], k == 0, 20);
+        tvi_integrator_reset(pair[k].it);
         plan.steps = 5, plan.at_step = NULL, plan.columns = 1; /* of the same memory: another matrix */
-        go(both[k], &plan);
+        go(&pair[k], &plan);
     }
-    same_state(&at_once, &alone);
-    ck_assert_double_le(relative_difference(at_once.rows * at_once.rows, at_once.D, alone.D), 1e-13);
-    columns_close(&at_once);
-    columns_close(&alone);
+    expect_as_alone(pair, 1e-13);
+    columns_close_pair(pair);
 }
 END_TEST
 
@@ -346,33 +315,33 @@ END_TEST
 /* A step whose columns overflow is undone, and D is as it was. */
 START_TEST(overflows)
 {
-    columns_run run, before;
-    columns_open(&run, &columns_problems[_i], NULL, 0);
-    steps(&run, true, 5);
-    run.D[1] = 1.7e308, run.D[run.rows * run.n + 1] = 1.7e308;
-    before = run;
-    const tvi_run_plan plan = columns_plan(&run, true, 5000);
-    expect_refusal("columns that overflow", tvi_run(run.it, &plan, &run.t, run.q, run.p), TVI_ENONFINITE, "D at once");
-    const long made = tvi_integrator_stats(run.it)->steps - 5;
-    run.D[1] = before.D[1] = 0.5, run.D[run.rows * run.n + 1] = before.D[run.rows * run.n + 1] = 0;
-    if (made == 0) same_bits(&run, &before);
-    for (int i = 0; i < run.rows * run.rows; i++) ck_assert(isfinite(run.D[i]));
-    columns_close(&run);
+    columns_run pair[2], *failed = &pair[0];
+    open_pair(pair, _i);
+    for (int k = 0; k < 2; k++) {
+        steps(&pair[k], true, 5);
+        pair[k].D[1] = 1.7e308, pair[k].D[pair[k].rows * pair[k].n + 1] = 1.7e308;
+    }
+    const tvi_run_plan plan = columns_plan(failed, true, 5000);
+    expect_refusal("columns that overflow", tvi_run(failed->it, &plan, &failed->t, failed->q, failed->p),
+                   TVI_ENONFINITE, "D at once");
+    const long made = tvi_integrator_stats(failed->it)->steps - 5;
+    if (made > 0) steps(&pair[1], true, made);
+    expect_same_bits(pair);
+    columns_close_pair(pair);
 }
 END_TEST
 
 /* A step that is refused leaves D, too. */
 START_TEST(refused_step)
 {
-    columns_run run, before;
-    columns_open(&run, &columns_problems[COLUMNS_KEPLER], NULL, 0);
-    steps(&run, true, 5);
-    before = run;
-    tvi_run_plan plan = columns_plan(&run, true, 5);
+    columns_run pair[2];
+    open_pair(pair, COLUMNS_KEPLER);
+    for (int k = 0; k < 2; k++) steps(&pair[k], true, 5);
+    tvi_run_plan plan = columns_plan(&pair[0], true, 5);
     plan.h = 100;
-    ck_assert_int_ne(tvi_run(run.it, &plan, &run.t, run.q, run.p), TVI_OK);
-    same_bits(&run, &before);
-    columns_close(&run);
+    ck_assert_int_ne(tvi_run(pair[0].it, &plan, &pair[0].t, pair[0].q, pair[0].p), TVI_OK);
+    expect_same_bits(pair);
+    columns_close_pair(pair);
 }
 END_TEST
 

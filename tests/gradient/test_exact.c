@@ -117,52 +117,53 @@ static void make_step(rates *f, int size, real h, real t, const real c[], real x
         for (int i = 0; i < NODES; i++) x[d] += h * b_of[i] * k[i][d];
 }
 
-/* a.x after STEPS steps; z is x and then c. */
-static real loss_at_end(int which, const real z[], real t, real h, const double a[])
+/* A run of one of the systems from z, which is x and then c, of which number i moves. */
+typedef struct {
+    int which, i;
+    const real *z;
+    real h;
+    const double *a;
+} moved_run;
+
+/* a.x after STEPS steps. */
+static real loss_at_end(real d, void *ctx)
 {
-    const int size = 2 * systems[which].n;
-    real x[MOST], k[NODES][MOST] = {{0}}, loss = 0;
+    const moved_run *run = ctx;
+    const int size = 2 * systems[run->which].n;
+    real x[MOST], z[MOST + MOST_C], k[NODES][MOST] = {{0}}, loss = 0;
+    memcpy(z, run->z, sizeof z);
+    z[run->i] += d;
     memcpy(x, z, (size_t)size * sizeof *x);
-    for (int step = 0; step < STEPS; step++) make_step(systems[which].f, size, h, t + step * h, z + size, x, k);
-    for (int d = 0; d < size; d++) loss += a[d] * x[d];
+    for (int step = 0; step < STEPS; step++)
+        make_step(systems[run->which].f, size, run->h, step * run->h, z + size, x, k);
+    for (int i = 0; i < size; i++) loss += run->a[i] * x[i];
     return loss;
 }
 
 START_TEST(long_double)
 {
     const int n = systems[_i].n, size = 2 * n, parameters = systems[_i].parameters;
-    const real factor[] = {4.0L / 5, -1.0L / 5, 4.0L / 105, -1.0L / 280}, d = 1e-4L;
     columns_run run;
-    tvi_record *record;
     const double a[] = {1, -0.7, 0.4, 1.3, 0};
     double by_start[2 * MOST + 1], by[MOST + MOST_C], largest = 0;
-    real z[MOST + MOST_C];
-    columns_open(&run, gradient_problem(systems[_i].problem), NULL, 0);
+    real z[MOST + MOST_C] = {0};
+    gradient_open(&run, systems[_i].problem, NULL, 0);
     set_method();
     for (int i = 0; i < n; i++) z[i] = run.q[i], z[n + i] = run.p[i];
     for (int i = 0; i < parameters; i++) z[size + i] = systems[_i].c[i];
-    ck_assert_int_eq(tvi_record_create(&record, run.it, 0), TVI_OK);
-    const tvi_run_plan plan = {.h = run.problem->h, .steps = STEPS, .record = record};
+    const tvi_run_plan plan = {.h = run.problem->h, .steps = STEPS, .record = run.record};
     ck_assert_int_eq(tvi_run(run.it, &plan, &run.t, run.q, run.p), TVI_OK);
     double end[MOST + 1] = {0};
     memcpy(end, a, (size_t)size * sizeof *a);
-    ck_assert_int_eq(tvi_gradient(record, &(tvi_loss){.end = end}, by_start, by + size), TVI_OK);
+    ck_assert_int_eq(tvi_gradient(run.record, &(tvi_loss){.end = end}, by_start, by + size), TVI_OK);
     memcpy(by, by_start, (size_t)size * sizeof *by);
     for (int i = 0; i < size + parameters; i++) largest = fmax(largest, fabs(by[i]));
     for (int i = 0; i < size + parameters; i++) {
-        real slope = 0;
-        const real kept = z[i];
-        for (int k = 1; k <= 4; k++) { /* an error of d^8 and of roundoff / d */
-            z[i] = kept + k * d;
-            const real above = loss_at_end(_i, z, 0, run.problem->h, a);
-            z[i] = kept - k * d;
-            slope += factor[k - 1] * (above - loss_at_end(_i, z, 0, run.problem->h, a)) / d;
-        }
-        z[i] = kept;
+        moved_run moved = {_i, i, z, run.problem->h, a};
+        const real slope = gradient_slope(loss_at_end, &moved, 1e-4L);
         ck_assert_msg(fabs(by[i] - (double)slope) <= 1e-12 * largest, "%s, %d: %.16g and %.16Lg, of %g",
                       run.problem->name, i, by[i], slope, largest);
     }
-    tvi_record_free(record);
     columns_close(&run);
 }
 END_TEST

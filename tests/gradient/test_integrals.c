@@ -2,8 +2,6 @@
  * where a run ends after a step, at a time or at an event. */
 #include "gradient.h"
 
-#include "system/system.h"
-
 #include <math.h>
 #include <string.h>
 
@@ -30,29 +28,33 @@ static jet crossing(const jet q[], const jet p[], jet t, void *ctx)
 
 typedef enum { AFTER_STEPS, AT_TIME, AT_EVENT, ENDS } end;
 
+/* Runs with the integrals, on to an end. */
 typedef struct {
-    double t, q[COLUMNS_MOST_N], p[COLUMNS_MOST_N], c[COLUMNS_MOST_PARAMETERS];
-} start;
+    const columns_run *run;
+    const tvi_event *event;
+    end at;
+    const double *by_integrals, *by_end;
+} integrated;
 
 /* Runs, and returns the loss of the integrals and the end; with a short run behind an event, as one record. */
-static double run_from(const columns_run *run, const start *x, tvi_record *record, const tvi_event *event, end at,
-                       const double by_integrals[], const double by_end[])
+static double run_from(const gradient_start *x, void *ctx)
 {
-    start now = *x;
+    const integrated *to = ctx;
+    const columns_run *run = to->run;
+    gradient_start now = gradient_begin(run, x);
     double value[2], loss = 0;
-    tvi_run_plan plan = {.h = run->problem->h, .record = record};
-    if (at == AT_TIME) plan.has_t_end = true, plan.t_end = 6.3;
-    else plan.steps = at == AT_EVENT ? 10000 : 20;
-    if (at == AT_EVENT) plan.events = &event, plan.event_count = 1;
-    if (tvi_system_parameters(run->system) > 0) ck_assert_int_eq(tvi_integrator_set_parameters(run->it, x->c), TVI_OK);
-    ck_assert_int_eq(tvi_run(run->it, &plan, &now.t, now.q, now.p), at == AT_EVENT ? TVI_ESTOPPED : TVI_OK);
-    if (at == AT_EVENT) {
-        plan = (tvi_run_plan){.h = plan.h, .steps = 3, .record = record};
+    tvi_run_plan plan = {.h = run->problem->h, .record = run->record};
+    if (to->at == AT_TIME) plan.has_t_end = true, plan.t_end = 6.3;
+    else plan.steps = to->at == AT_EVENT ? 10000 : 20;
+    if (to->at == AT_EVENT) plan.events = &to->event, plan.event_count = 1;
+    ck_assert_int_eq(tvi_run(run->it, &plan, &now.t, now.q, now.p), to->at == AT_EVENT ? TVI_ESTOPPED : TVI_OK);
+    if (to->at == AT_EVENT) {
+        plan = (tvi_run_plan){.h = plan.h, .steps = 3, .record = run->record};
         ck_assert_int_eq(tvi_run(run->it, &plan, &now.t, now.q, now.p), TVI_OK);
     }
-    tvi_record_integrals(record, value);
-    for (int k = 0; k < 2; k++) loss += by_integrals[k] * value[k];
-    for (int i = 0; i < run->n; i++) loss += by_end[i] * now.q[i] + by_end[run->n + i] * now.p[i];
+    tvi_record_integrals(run->record, value);
+    for (int k = 0; k < 2; k++) loss += to->by_integrals[k] * value[k];
+    for (int i = 0; i < run->n; i++) loss += to->by_end[i] * now.q[i] + to->by_end[run->n + i] * now.p[i];
     return loss;
 }
 
@@ -60,46 +62,18 @@ START_TEST(beside_differences)
 {
     const int orders[] = {2, 4, 6}, more = _i - ENDS * GRADIENT_PROBLEMS;
     const int problem = more < 0 ? _i / ENDS : GRADIENT_TIME, order = more < 0 ? 0 : orders[more];
-    const end at = more < 0 ? (end)(_i % ENDS) : AFTER_STEPS;
     columns_run run;
-    tvi_record *record;
     tvi_event *event;
-    const double by_integrals[] = {0.7, -1.3};
-    double by_end[2 * COLUMNS_MOST_N + 1] = {0.3}, by_start[2 * COLUMNS_MOST_N + 1];
-    double by_parameters[COLUMNS_MOST_PARAMETERS], largest = 0;
-    columns_open(&run, gradient_problem(problem), order > 0 ? "galerkin" : NULL, order);
-    const int n = run.n, parameters = run.rows - 2 * n;
-    ck_assert_int_eq(tvi_record_create(&record, run.it, 0), TVI_OK);
-    ck_assert_msg(tvi_record_integral(record, work, &run.n) == TVI_OK, "%s", tvi_last_error());
-    ck_assert_int_eq(tvi_record_integral(record, momentum, NULL), TVI_OK);
-    ck_assert_int_eq(tvi_event_create(&event, n, TVI_RISING, true, crossing, &run.n), TVI_OK);
-    start x = {.t = 0.3};
-    memcpy(x.q, run.q, sizeof x.q);
-    memcpy(x.p, run.p, sizeof x.p);
-    tvi_system_recorded_parameters(run.system, x.c);
-    (void)run_from(&run, &x, record, event, at, by_integrals, by_end);
-    const tvi_loss loss = {.end = by_end, .integrals = by_integrals};
-    ck_assert_msg(tvi_gradient(record, &loss, by_start, by_parameters) == TVI_OK, "%s", tvi_last_error());
-    for (int i = 0; i < 2 * n + 1; i++) largest = fmax(largest, fabs(by_start[i]));
-    for (int i = 0; i < parameters; i++) largest = fmax(largest, fabs(by_parameters[i]));
-    for (int i = 0; i < 2 * n + 1 + parameters; i++) {
-        double *number = i < n ? &x.q[i] : i < 2 * n ? &x.p[i - n] : i == 2 * n ? &x.t : &x.c[i - 2 * n - 1];
-        const double kept = *number, d = 3e-4 * (i > 2 * n ? fabs(kept) : 1);
-        const double factor[] = {4.0 / 5, -1.0 / 5, 4.0 / 105, -1.0 / 280};
-        double slope = 0;
-        for (int k = 1; k <= 4; k++) { /* an error of d^8 */
-            *number = kept + k * d;
-            const double above = run_from(&run, &x, record, event, at, by_integrals, by_end);
-            *number = kept - k * d;
-            slope += factor[k - 1] * (above - run_from(&run, &x, record, event, at, by_integrals, by_end)) / d;
-        }
-        *number = kept;
-        const double by = i < 2 * n + 1 ? by_start[i] : by_parameters[i - 2 * n - 1];
-        ck_assert_msg(fabs(by - slope) <= 1e-8 * largest, "%s, %d: %.12g, and %.12g by differences, of %g",
-                      run.problem->name, i, by, slope, largest);
-    }
+    const double by_integrals[] = {0.7, -1.3}, by_end[2 * COLUMNS_MOST_N + 1] = {0.3};
+    gradient_open(&run, problem, order > 0 ? "galerkin" : NULL, order);
+    ck_assert_msg(tvi_record_integral(run.record, work, &run.n) == TVI_OK, "%s", tvi_last_error());
+    ck_assert_int_eq(tvi_record_integral(run.record, momentum, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_event_create(&event, run.n, TVI_RISING, true, crossing, &run.n), TVI_OK);
+    integrated to = {&run, event, more < 0 ? (end)(_i % ENDS) : AFTER_STEPS, by_integrals, by_end};
+    const gradient_start x = gradient_start_of(&run);
+    (void)run_from(&x, &to);
+    gradient_expect(&run, &(tvi_loss){.end = by_end, .integrals = by_integrals}, run_from, &to);
     tvi_event_free(event);
-    tvi_record_free(record);
     columns_close(&run);
 }
 END_TEST
@@ -112,25 +86,23 @@ START_TEST(values)
     double value[3][2];
     for (int k = 0; k < 3; k++) {
         columns_run run;
-        tvi_record *record;
-        columns_open(&run, gradient_problem(of[k]), NULL, 0);
+        gradient_open(&run, of[k], NULL, 0);
         double q[] = {1, 0}, p[] = {0, 0.8};
-        ck_assert_int_eq(tvi_record_create(&record, run.it, 0), TVI_OK);
-        ck_assert_int_eq(tvi_record_integral(record, momentum, NULL), TVI_OK);
+        ck_assert_int_eq(tvi_record_integral(run.record, momentum, NULL), TVI_OK);
         for (int again = 0; again < 2; again++) {
             double t = 0, x[2], y[2];
             memcpy(x, q, sizeof x);
             memcpy(y, p, sizeof y);
             for (int part = 1; part <= 3; part++)
                 ck_assert_int_eq(
-                    tvi_run(run.it, &(tvi_run_plan){.h = 0.05, .has_t_end = true, .t_end = 3 * part, .record = record},
-                            &t, x, y),
+                    tvi_run(run.it,
+                            &(tvi_run_plan){.h = 0.05, .has_t_end = true, .t_end = 3 * part, .record = run.record}, &t,
+                            x, y),
                     TVI_OK);
-            tvi_record_integrals(record, &value[k][again]);
+            tvi_record_integrals(run.record, &value[k][again]);
         }
         ck_assert(value[k][0] == value[k][1]);
         ck_assert_double_eq_tol(value[k][0], value[0][0], 1e-12 * value[0][0]);
-        tvi_record_free(record);
         columns_close(&run);
     }
 }
@@ -152,27 +124,23 @@ static jet with_another(const jet q[], const jet p[], jet t, void *ctx)
 START_TEST(refusals)
 {
     columns_run run;
-    tvi_record *record;
-    columns_open(&run, gradient_problem(COLUMNS_KEPLER), "stormer-verlet", 2);
-    ck_assert_int_eq(tvi_record_create(&record, run.it, 0), TVI_OK);
-    ck_assert_int_eq(tvi_record_integral(record, momentum, NULL), TVI_EUNSUPPORTED);
+    gradient_open(&run, COLUMNS_KEPLER, "stormer-verlet", 2);
+    ck_assert_int_eq(tvi_record_integral(run.record, momentum, NULL), TVI_EUNSUPPORTED);
     ck_assert_ptr_nonnull(strstr(tvi_last_error(), "running integrals are for galerkin"));
     ck_assert_int_eq(tvi_record_integral(NULL, momentum, NULL), TVI_EINVAL);
-    ck_assert_int_eq(tvi_record_integral(record, NULL, NULL), TVI_EUNSUPPORTED);
-    tvi_record_free(record);
+    ck_assert_int_eq(tvi_record_integral(run.record, NULL, NULL), TVI_EUNSUPPORTED);
     columns_close(&run);
-    columns_open(&run, gradient_problem(COLUMNS_KEPLER), NULL, 0);
-    ck_assert_int_eq(tvi_record_create(&record, run.it, 0), TVI_OK);
-    ck_assert_int_eq(tvi_record_integral(record, NULL, NULL), TVI_EINVAL);
-    ck_assert_int_eq(tvi_record_integral(record, with_another, NULL), TVI_EINVAL);
+    gradient_open(&run, COLUMNS_KEPLER, NULL, 0);
+    ck_assert_int_eq(tvi_record_integral(run.record, NULL, NULL), TVI_EINVAL);
+    ck_assert_int_eq(tvi_record_integral(run.record, with_another, NULL), TVI_EINVAL);
     ck_assert_ptr_nonnull(strstr(tvi_last_error(), "a parameter that the system has not"));
-    ck_assert_int_eq(tvi_record_integral(record, outside, NULL), TVI_OK);
-    ck_assert_int_eq(tvi_run(run.it, &(tvi_run_plan){.h = 0.1, .steps = 100, .record = record}, &run.t, run.q, run.p),
-                     TVI_EDOMAIN);
+    ck_assert_int_eq(tvi_record_integral(run.record, outside, NULL), TVI_OK);
+    ck_assert_int_eq(
+        tvi_run(run.it, &(tvi_run_plan){.h = 0.1, .steps = 100, .record = run.record}, &run.t, run.q, run.p),
+        TVI_EDOMAIN);
     ck_assert_ptr_nonnull(strstr(tvi_last_error(), "a running integral has no value"));
     ck_assert_double_gt(run.q[0], 0.5);
-    ck_assert_int_eq(tvi_record_counts(record, NULL, NULL), lround(run.t / 0.1));
-    tvi_record_free(record);
+    ck_assert_int_eq(tvi_record_counts(run.record, NULL, NULL), lround(run.t / 0.1));
     columns_close(&run);
 }
 END_TEST

@@ -59,10 +59,10 @@ static void close_recorded(const recorded *r)
 enum { REFUSED_STEP, TIME_AT_START, NO_STEPS, ONES };
 
 /* Makes what makes no step, between two runs. */
-static void make_no_step(int which, columns_run *run, tvi_record *record)
+static void make_no_step(int which, columns_run *run)
 {
     const double t = run->t;
-    tvi_run_plan plan = {.h = run->problem->h, .record = record};
+    tvi_run_plan plan = {.h = run->problem->h, .record = run->record};
     if (which == REFUSED_STEP) plan.h = 1e4, plan.steps = 1;
     if (which == TIME_AT_START) plan.times = &t, plan.time_count = 1;
     const tvi_status status = tvi_run(run->it, &plan, &run->t, run->q, run->p);
@@ -78,22 +78,19 @@ START_TEST(runs_without_a_step)
     double by[2][5], by_parameter[2][1];
     for (int with = 0; with < 2; with++) {
         columns_run run;
-        tvi_record *record;
         tvi_event *event;
-        columns_open(&run, gradient_problem(problem), NULL, 0);
-        ck_assert_int_eq(tvi_record_create(&record, run.it, 0), TVI_OK);
+        gradient_open(&run, problem, NULL, 0);
         ck_assert_int_eq(tvi_event_create(&event, 2, TVI_EITHER, true, downwards, NULL), TVI_OK);
         const tvi_event *const events[] = {event};
-        tvi_run_plan plan = {.h = 0.25, .record = record, .has_t_end = has_t_end, .t_end = has_t_end ? 1.1 : 0};
+        tvi_run_plan plan = {.h = 0.25, .record = run.record, .has_t_end = has_t_end, .t_end = has_t_end ? 1.1 : 0};
         if (at_event) plan.events = events, plan.event_count = 1, plan.steps = 1000;
         ck_assert_int_eq(tvi_run(run.it, &plan, &run.t, run.q, run.p), at_event ? TVI_ESTOPPED : TVI_OK);
-        if (with) make_no_step(_i % ONES, &run, record);
-        plan = (tvi_run_plan){.h = 0.25, .steps = 3, .record = record};
+        if (with) make_no_step(_i % ONES, &run);
+        plan = (tvi_run_plan){.h = 0.25, .steps = 3, .record = run.record};
         ck_assert_int_eq(tvi_run(run.it, &plan, &run.t, run.q, run.p), TVI_OK);
         const double end[] = {1, 0.5, -0.3, 0.7, 0.2};
-        ck_assert_int_eq(tvi_gradient(record, &(tvi_loss){.end = end}, by[with], by_parameter[with]), TVI_OK);
+        ck_assert_int_eq(tvi_gradient(run.record, &(tvi_loss){.end = end}, by[with], by_parameter[with]), TVI_OK);
         tvi_event_free(event);
-        tvi_record_free(record);
         columns_close(&run);
     }
     for (int i = 0; i < 5; i++) ck_assert_double_eq_tol(by[0][i], by[1][i], 1e-13 * fabs(by[0][0]));
