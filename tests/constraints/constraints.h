@@ -55,7 +55,7 @@ state start_of(const problem *of, const tvi_system *system);
 tvi_integrator *integrator_of_order(const tvi_system *system, int order);
 /* x becomes the state after `steps` steps over `duration`. */
 tvi_status make_run(const tvi_system *system, int order, double duration, long steps, state *x);
-/* The largest difference of two states' coordinates or momenta. */
+/* The largest difference of two states' coordinates or momenta; NAN where one is. */
 double distance(const problem *of, const state *x, const state *y);
 
 #endif

@@ -231,6 +231,10 @@ tvi_status make_run(const tvi_system *system, int order, double duration, long s
 double distance(const problem *of, const state *x, const state *y)
 {
     double most = 0;
-    for (int i = 0; i < of->n; i++) most = fmax(most, fmax(fabs(x->q[i] - y->q[i]), fabs(x->p[i] - y->p[i])));
+    for (int i = 0; i < of->n; i++) {
+        const double in_q = fabs(x->q[i] - y->q[i]), in_p = fabs(x->p[i] - y->p[i]);
+        if (isnan(in_q) || isnan(in_p)) return NAN; /* which fmax leaves out */
+        most = fmax(most, fmax(in_q, in_p));
+    }
     return most;
 }
