@@ -312,14 +312,16 @@ END_TEST
 
 /* ---- Failures ---------------------------------------------------------------------------------------------------- */
 
-/* A step whose columns overflow is undone, and D is as it was. */
+/* A step of which a column overflows is undone, and D is as it was: all of it, also where columns are moved in groups
+ * and the last one fails. */
 START_TEST(overflows)
 {
     columns_run pair[2], *failed = &pair[0];
     open_pair(pair, _i);
     for (int k = 0; k < 2; k++) {
         steps(&pair[k], true, 5);
-        pair[k].D[1] = 1.7e308, pair[k].D[pair[k].rows * pair[k].n + 1] = 1.7e308;
+        double *column = pair[k].D + 2 * pair[k].n - 1;
+        column[0] = column[pair[k].rows * pair[k].n] = 1.7e308;
     }
     const tvi_run_plan plan = columns_plan(failed, true, 5000);
     expect_refusal("columns that overflow", tvi_run(failed->it, &plan, &failed->t, failed->q, failed->p),
