@@ -67,8 +67,8 @@ static void set_first_vector(const tvi_system *system, const double p[], double 
 }
 
 /* Adds the last step, or the part of it that ended the run, at the time t. The sum of Y is an integral of the logarithm
- * by trapezia, and so is the mean of Y. A run that stands still at t adds nothing, and one that is back at the start has
- * undone its sums and begins anew. */
+ * by trapezia, and so is the mean of Y. A run that stands still at t adds nothing, and one that is back at the start
+ * has undone its sums and begins anew. */
 static void add_step(chaos_run *run, double t)
 {
     tvi_chaos *c = run->chaos;
