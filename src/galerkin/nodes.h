@@ -111,8 +111,12 @@ typedef struct {
 
 JET_INLINE node_table node_table_of(const double *factor, const int lanes)
 {
-    node_table table = {.factor = factor};
-    for (int j = 0; j < (lanes == NODE_VEC ? lanes : 0); j++) table.row[j] = node_load(factor + j * lanes, 0);
+    node_table table;
+    table.factor = factor;
+    if (lanes != NODE_VEC) return table;
+#define ROW(j) table.row[(j) % NODE_VEC] = node_load(factor, (j) % NODE_VEC)
+    ROW(0), ROW(1), ROW(2), ROW(3), ROW(4), ROW(5), ROW(6), ROW(7);
+#undef ROW
     return table;
 }
 
