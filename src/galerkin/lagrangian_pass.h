@@ -267,10 +267,10 @@ static inline tvi_status lagrangian_invert(lagrangian_pass *pass, int n, int lan
 /* Sets start_minus_q to the exact difference of q at the start and Q*, in two parts. */
 static inline void lagrangian_set_start_minus_q(lagrangian_pass *pass, const galerkin_nodes *nodes, const double *Q)
 {
-    for (int i = 0; i < nodes->n * nodes->lane_count; i++) {
-        const double q = nodes->free_motion[i], rise = q - Q[i], less = q - rise;
-        pass->start_minus_q[0][i] = rise;
-        pass->start_minus_q[1][i] = (q - (rise + less)) + (less - Q[i]);
+    for (int v = 0; v < nodes->n * nodes->lane_count / NODE_VEC; v++) {
+        const node_vec q = node_load(nodes->free_motion, v), rise = q - node_load(Q, v), less = q - rise;
+        node_store(pass->start_minus_q[0], v, rise);
+        node_store(pass->start_minus_q[1], v, (q - (rise + less)) + (less - node_load(Q, v)));
     }
 }
 
@@ -282,9 +282,12 @@ static inline void lagrangian_linearise(lagrangian_pass *pass, const galerkin_no
     const int half = nodes->n * nodes->lane_count;
     const double *V = nodes->x + 2 * half, *centre_V = field->block[false] + half;
     double *moved = pass->displacement;
-    for (int i = 0; i < half; i++)
-        moved[i] = (pass->start_minus_q[0][i] + pass->q_moved[i]) + pass->start_minus_q[1][i];
-    for (int i = 0; i < half; i++) moved[half + i] = V[i] - centre_V[i];
+    for (int v = 0; v < half / NODE_VEC; v++) {
+        node_store(moved, v,
+                   (node_load(pass->start_minus_q[0], v) + node_load(pass->q_moved, v)) +
+                       node_load(pass->start_minus_q[1], v));
+        node_store(moved + half, v, node_load(V, v) - node_load(centre_V, v));
+    }
     nodes_linearise(pass, nodes->n, nodes->lane_count, field->block[true], nodes->x + 3 * half);
 }
 
