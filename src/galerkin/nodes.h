@@ -103,7 +103,7 @@ enum { PARTIAL_SUMS = 4 };
 enum { MAX_BLOCK = 2 };
 
 /* A table [j][lanes] of factors in sums over the nodes j: a local copy, which stays in registers, if a row is one
- * vector. */
+ * vector. The rows are read without a loop, which gcc would take for a copy in memory. */
 typedef struct {
     const double *factor;
     node_vec row[NODE_VEC];
@@ -113,9 +113,8 @@ JET_INLINE node_table node_table_of(const double *factor, const int lanes)
 {
     node_table table;
     table.factor = factor;
-    if (lanes != NODE_VEC) return table;
-#define ROW(j) table.row[(j) % NODE_VEC] = node_load(factor, (j) % NODE_VEC)
-    ROW(0), ROW(1), ROW(2), ROW(3), ROW(4), ROW(5), ROW(6), ROW(7);
+#define ROW(j) (table.row[(j) % NODE_VEC] = node_load(factor, (j) % NODE_VEC))
+    if (lanes == NODE_VEC) (void)(ROW(0), ROW(1), ROW(2), ROW(3), ROW(4), ROW(5), ROW(6), ROW(7));
 #undef ROW
     return table;
 }
