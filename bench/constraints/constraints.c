@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { ANGLES, PLACES, KINDS };
+enum { ANGLES, PLACES, COMPILED /* places, with generated sweeps */, KINDS };
 
 typedef struct {
     const char *title;
@@ -26,7 +26,7 @@ static const chain pendulum = {.links = 1, .length = 1, .g = 9.8, .angle = {1.5}
 static double apart(const row *r, const stepping s[KINDS])
 {
     double q[KINDS][2 * LINKS_MOST], p[KINDS][2 * LINKS_MOST];
-    for (int kind = 0; kind < KINDS; kind++) {
+    for (int kind = 0; kind <= PLACES; kind++) {
         double t = 0;
         for (int i = 0; i < s[kind].n; i++) q[kind][i] = s[kind].q[i], p[kind][i] = s[kind].p[i];
         tvi_integrator_reset(s[kind].integrator);
@@ -40,21 +40,27 @@ static void measure(FILE *table, const row *r)
 {
     double q[KINDS][2 * LINKS_MOST], p[KINDS][2 * LINKS_MOST];
     tvi_system *systems[] = {chain_of_angles(&r->of, q[ANGLES], p[ANGLES]),
-                             chain_of_places(&r->of, q[PLACES], p[PLACES])};
-    const tvi_options options = tvi_options_default();
+                             chain_of_places(&r->of, q[PLACES], p[PLACES]),
+                             chain_of_places(&r->of, q[COMPILED], p[COMPILED])};
+    tvi_options options = tvi_options_default();
+    tvi_compiled *code = NULL;
     stepping s[KINDS];
     turn turns[KINDS];
     for (int kind = 0; kind < KINDS; kind++) {
+        if (kind == COMPILED) experiment_insist(tvi_compile(&code, systems[kind], &options, NULL), r->title);
+        options.compiled = code;
         s[kind] = stepping_open(systems[kind], &options, q[kind], p[kind], r->h);
         s[kind].steps = r->steps;
         turns[kind] = (turn){.work = stepping_go, .ctx = &s[kind]};
     }
     const double distance = apart(r, s);
     turns_time(KINDS, turns);
-    const double us[] = {stepping_time(&turns[ANGLES]), stepping_time(&turns[PLACES])};
-    fprintf(table, "| %s | %d, %d | %g | %.1g | %.1f, %.1f | %.3g | %.3g | %.2f |\n", r->title, s[ANGLES].n,
+    double us[KINDS];
+    for (int kind = 0; kind < KINDS; kind++) us[kind] = stepping_time(&turns[kind]);
+    fprintf(table, "| %s | %d, %d | %g | %.1g | %.1f, %.1f | %.3g | %.3g | %.2f | %.2f |\n", r->title, s[ANGLES].n,
             s[PLACES].n, r->h, distance, s[ANGLES].passes, s[PLACES].passes, us[ANGLES], us[PLACES],
-            us[PLACES] / us[ANGLES]);
+            us[PLACES] / us[ANGLES], us[COMPILED] / us[PLACES]);
+    tvi_compiled_free(code);
     for (int kind = 0; kind < KINDS; kind++) {
         stepping_close(&s[kind]);
         tvi_system_free(systems[kind]);
@@ -111,7 +117,7 @@ int main(int argc, char *argv[])
     const experiment e = experiment_begin(argc, argv);
     FILE *table = experiment_table(&e, "constraints",
                                    "problem|n: angles, places|h|apart after a second|passes: angles, places|angles, us "
-                                   "(time)|places, us (time)|ratio (time)");
+                                   "(time)|places, us (time)|ratio (time)|compiled / tape (time)");
     const row rows[] = {{"pendulum", pendulum, 0.0625, 16},       {"pendulum", pendulum, 0.25, 4},
                         {"double pendulum", twice, 0.015625, 64}, {"double pendulum", twice, 0.03125, 32},
                         {"chain of 10", ten, 0.0078125, 128},     {"chain of 10", ten, 0.015625, 64}};

@@ -2,6 +2,7 @@
  * library's interpreter. The file also counts the users of loaded code (compiled.h). */
 #include "compiled/compiled.h"
 #include "method/fingerprint.h"
+#include "system/constraint.h"
 
 #include <dlfcn.h>
 #include <stdlib.h>
@@ -23,6 +24,7 @@ const char *tvi_compiled_why_unusable(const tvi_compiled *compiled, const tvi_sy
 /* A copy of a system, and copies of those of its tapes that run generated code. */
 typedef struct {
     tvi_system system;
+    tvi_constraints constraints;
     jet_tape tape[TVI_CODE_TAPES];
     jet_sweeps sweeps[TVI_CODE_TAPES];
 } compiled_system;
@@ -52,6 +54,13 @@ const tvi_system *tvi_compiled_attach_to_copy(tvi_arena *arena, const tvi_system
     attach_compiled_sweeps(copy, TVI_CODE_VALUES, &system->field_values, code->sweeps[TVI_CODE_VALUES]);
     attach_compiled_sweeps(copy, TVI_CODE_R_DOT_HP, &system->r_dot_Hp_values, code->sweeps[TVI_CODE_R_DOT_HP]);
     attach_compiled_sweeps(copy, TVI_CODE_HESSIAN, &system->hessian.values, code->sweeps[TVI_CODE_HESSIAN]);
+    if (system->constraints) {
+        tvi_constraints *constraints = &copy->constraints;
+        *constraints = *system->constraints;
+        attach_compiled_sweeps(copy, TVI_CODE_CONSTRAINTS, &constraints->values, code->sweeps[TVI_CODE_CONSTRAINTS]);
+        attach_compiled_sweeps(copy, TVI_CODE_CURVATURE, &constraints->curvature, code->sweeps[TVI_CODE_CURVATURE]);
+        system->constraints = constraints;
+    }
     system->code = code;
     return system;
 }

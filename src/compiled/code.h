@@ -7,8 +7,17 @@
 
 /* The tapes of a system that generated code may run (system/system.h): the series of the field, its values, the
  * gradient by q and p of r.H_p for a vector r, and the values of the field with its derivatives, the second derivatives
- * of L or H. TVI_CODE_TAPES is their number. */
-typedef enum { TVI_CODE_SERIES, TVI_CODE_VALUES, TVI_CODE_R_DOT_HP, TVI_CODE_HESSIAN, TVI_CODE_TAPES } tvi_code_tape;
+ * of L or H; of constraints the values with G, and the curvature (system/constraint.h). TVI_CODE_TAPES is their
+ * number. */
+typedef enum {
+    TVI_CODE_SERIES,
+    TVI_CODE_VALUES,
+    TVI_CODE_R_DOT_HP,
+    TVI_CODE_HESSIAN,
+    TVI_CODE_CONSTRAINTS,
+    TVI_CODE_CURVATURE,
+    TVI_CODE_TAPES
+} tvi_code_tape;
 
 struct galerkin_generated_steps;
 

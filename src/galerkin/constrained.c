@@ -305,8 +305,13 @@ static bool is_history_valid(const void *self)
 
 static tvi_tapes_of_steps list_tapes(const tvi_system *system, const tvi_options *options)
 {
+    const int lanes = tvi_galerkin_lane_count(options->degree);
     tvi_tapes_of_steps tapes = tvi_stepper_galerkin.list_tapes(system, options);
     tapes.emit_steps = NULL;
+    tapes.constraint_tape_emission =
+        (jet_emission_request){.name_prefix = "tvi_constraints", .value_lane_counts = {1, lanes}};
+    tapes.curvature_tape_emission =
+        (jet_emission_request){.name_prefix = "tvi_curvature", .value_lane_counts = {lanes}};
     return tapes;
 }
 

@@ -130,9 +130,10 @@ typedef struct {
 /* The tapes of a system that the steps of a method run, and the parts of each that generated code is to contain
  * (src/compiled/). A tape with the name NULL is not used. */
 typedef struct {
-    /* Requests for the code of four tapes: the series of the field, its values, the gradient of r.H_p for a vector r
-     * (Hamiltonian), and the second derivatives. */
-    jet_emission_request series_tape_emission, value_tape_emission, r_dot_Hp_tape_emission, hessian_tape_emission;
+    /* Requests for the code of six tapes: the series of the field, its values, the gradient of r.H_p for a vector r
+     * (Hamiltonian), and the second derivatives; the constraints, and their curvature. */
+    jet_emission_request series_tape_emission, value_tape_emission, r_dot_Hp_tape_emission, hessian_tape_emission,
+        constraint_tape_emission, curvature_tape_emission;
     /* Writes the generated steps of a method after the sweeps of the tapes: the text defines the structure
      * tvi_generated_steps (galerkin/steps.h). "galerkin" has emit_steps of galerkin/galerkin.c; NULL: the method has no
      * generated steps. */

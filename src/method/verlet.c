@@ -241,6 +241,13 @@ static tvi_tapes_of_steps list_tapes(const tvi_system *system, const tvi_options
     return (tvi_tapes_of_steps){.value_tape_emission = {.name_prefix = "tvi_values", .value_lane_counts = {1}}};
 }
 
+static tvi_tapes_of_steps list_tapes_of_rattle(const tvi_system *system, const tvi_options *options)
+{
+    tvi_tapes_of_steps tapes = list_tapes(system, options);
+    tapes.constraint_tape_emission = (jet_emission_request){.name_prefix = "tvi_constraints", .value_lane_counts = {1}};
+    return tapes;
+}
+
 /* The forces at both ends of a step. */
 static int quadrature(const void *work, double theta[], double b[])
 {
@@ -274,7 +281,7 @@ static const tvi_stepper rattle_stepper = {.allocate = allocate_rattle,
                                            .step = step_rattle,
                                            .interpolate = interpolate,
                                            .bound_energy_change = do_not_bound_energy,
-                                           .list_tapes = list_tapes};
+                                           .list_tapes = list_tapes_of_rattle};
 
 static const tvi_supported_forms supported_forms = {
     TVI_SUPPORTS_SEPARABLE, "Stormer-Verlet needs a constant diagonal mass and a force without velocities"};

@@ -16,6 +16,7 @@ Suite *suite_joints(void);
 Suite *suite_rigid(void);
 Suite *suite_linkages(void);
 Suite *suite_wrong_bodies(void);
+Suite *suite_compiled(void);
 Suite *suite_spark_quad(void); /* gcc only: __float128 */
 Suite *suite_andrews_quad(void);
 

@@ -181,11 +181,6 @@ START_TEST(changes_that_are_refused)
     out = system;
     refused("drive it first", tvi_system_driven(&out, system, drag, NULL), TVI_EUNSUPPORTED);
     ck_assert_ptr_null(out);
-    tvi_compiled *compiled = (tvi_compiled *)&out;
-    refused("a constrained system is not compiled", tvi_compile(&compiled, system, NULL, NULL), TVI_EUNSUPPORTED);
-    ck_assert_ptr_null(compiled);
-    refused("a constrained system is not compiled", tvi_compiled_write(system, NULL, "code", "/nowhere/code.c"),
-            TVI_EUNSUPPORTED);
     tvi_system_free(system);
 }
 END_TEST

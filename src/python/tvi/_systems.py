@@ -421,7 +421,7 @@ def constrained(system: System, function: Callable, **parameters: Any) -> System
     with their values. Steps find the forces of constraint, -sum lambda_k dphi_k/dq. q and p keep their n numbers,
     and p stays M v. A run begins on the constraints, to half of the digits; System.project moves other states onto
     them. Results have phi, multipliers and constraint_force. Tangents are of "galerkin", and of potentials and
-    forces; rescaled and compiled steps do not serve. Raises tvi.Error: EINVAL for m out of range and a phi_k that
+    forces; rescaled steps do not serve. Raises tvi.Error: EINVAL for m out of range and a phi_k that
     is a number or depends on t alone, EUNSUPPORTED for a system that is rescaled, or constrained already.
 
     >>> import tvi
