@@ -453,6 +453,17 @@ class constrained : public system
     }
 };
 
+/* The tangent system (tvi_gradient.h), for second derivatives. */
+class tangent : public system
+{
+  public:
+    explicit tangent(const system &base)
+    {
+        detail::no_observer none;
+        own(none, [&](tvi_system **out, void *) { return tvi_system_tangent(out, base.get()); });
+    }
+};
+
 /* ---- Events ------------------------------------------------------------------------------------------------------ */
 
 /* The callable is jet g(const jet *q, const jet *p, jet t). */

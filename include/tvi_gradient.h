@@ -67,6 +67,17 @@ typedef struct {
 TVI_NODISCARD tvi_status tvi_gradient(tvi_record *record, const tvi_loss *loss, double by_start[],
                                       double by_parameters[]);
 
+/* Creates the tangent system, which moves a state and a tangent vector of it: coordinates (q, dq), momenta (p, dp), of
+ * a Lagrangian that is not separable (dp, p), and parameters (c, dc), of which dc is recorded as 0. Its steps of
+ * "galerkin" move the vector by the derivatives of the steps. A gradient of its runs therefore gives second derivatives
+ * times a vector: that of m = l_x.dx by the state at the start is l'' times the vector, where l is a loss with the
+ * derivatives l_x by what was told. To tvi_gradient m has the derivative l_x by dx, and l_xx dx by x. It has no energy,
+ * and shares nothing with the system.
+ *   TVI_EINVAL       NULL
+ *   TVI_EUNSUPPORTED rescaled and constrained systems
+ *   TVI_ENOMEM       no memory */
+TVI_NODISCARD tvi_status tvi_system_tangent(tvi_system **out, const tvi_system *system);
+
 #ifdef __cplusplus
 }
 #endif

@@ -3,6 +3,7 @@
 #include "system/statement.h"
 #include "system/constraint.h"
 #include "system/refuse.h"
+#include "tvi_gradient.h"
 
 #include <stdlib.h>
 
@@ -174,4 +175,24 @@ tvi_status tvi_system_create_columns_lift(tvi_system **out, const tvi_system *sy
     set_subsystems_of_copies(&(*out)->subsystems, &system->subsystems, system->n, 1 + columns);
     set_subsystems_of_copies(&(*out)->tail.subsystems, &system->tail.subsystems, system->n, 1 + columns);
     return TVI_OK;
+}
+
+/* ---- A tangent vector as part of a system ------------------------------------------------------------------------ */
+
+tvi_status tvi_system_tangent(tvi_system **out, const tvi_system *system)
+{
+    if (!out) return jet_refuse(TVI_EINVAL, "out is NULL");
+    *out = NULL;
+    if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
+    if (system->stepped_system != system)
+        return jet_refuse(TVI_EUNSUPPORTED, "a rescaled system has no tangent system: make that of the system in t");
+    if (system->constraints) return jet_refuse(TVI_EUNSUPPORTED, "a constrained system has no tangent system");
+    if (system->form == TVI_LAGRANGIAN) return tvi_system_create_lift(out, system, TVI_LIFT_PAIRED);
+    const size_t parameters = (size_t)tvi_system_parameters(system);
+    bool *moves = malloc((parameters + 1) * sizeof *moves);
+    if (!moves) return jet_explain_out_of_memory(TVI_ENOMEM);
+    for (size_t i = 0; i < parameters; i++) moves[i] = true;
+    const tvi_status status = tvi_system_create_columns_lift(out, system, 1, moves);
+    free(moves);
+    return jet_explain_out_of_memory(status);
 }

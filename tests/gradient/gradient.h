@@ -5,7 +5,7 @@
 #include "columns.h"
 
 Suite *suite_gradient(void), *suite_integrals(void), *suite_chaos(void);
-TCase *tcase_exact(void), *tcase_sequences(void);
+TCase *tcase_exact(void), *tcase_sequences(void), *tcase_second(void);
 
 /* The systems of columns.h, and then a double pendulum, a driven Lagrangian, a force that depends on the time, and
  * Kepler's problem in steps of K. */

@@ -421,6 +421,7 @@ Suite *suite_gradient(void)
     suite_add_tcase(suite, c);
     suite_add_tcase(suite, tcase_exact());
     suite_add_tcase(suite, tcase_sequences());
+    suite_add_tcase(suite, tcase_second());
     c = tcase_create("told");
     tcase_add_loop_test(c, times, 0, GRADIENT_PROBLEMS);
     tcase_add_loop_test(c, events, 0, GRADIENT_PROBLEMS);

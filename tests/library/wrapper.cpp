@@ -431,6 +431,26 @@ static void gradients()
            throws([&] { static_cast<void>(record.gradient(loss)); }, TVI_EINVAL, "NULL") && to.steps() == 20);
 }
 
+/* The second derivative of cos(sqrt(k) t) by k, at k = 4 and t = 1. */
+static void second_derivatives()
+{
+    const tvi::potential spring(1, [](const jet *q, jet) { return 0.5 * jet_parameter(q[0], 0, 4) * pow(q[0], 2); });
+    const tvi::tangent lifted(spring);
+    tvi::integrator orbit(lifted);
+    tvi::record record(orbit);
+    std::vector<double> q = {1, 0}, p = {0, 0}, by_dq = {0, 1, 0, 0, 0};
+    double t = 0;
+    tvi_run_plan plan = {};
+    plan.h = 0.05, plan.has_t_end = true, plan.t_end = 1;
+    plan.record = record.get();
+    orbit.set_parameters({4, 1});
+    expect("a tangent vector", orbit.run(plan, t, q, p) && std::fabs(q[1] + std::sin(2.0) / 4) < 1e-13);
+    tvi_loss loss = {};
+    loss.end = by_dq.data();
+    const double twice = record.gradient(loss).parameters[0];
+    expect("by k twice", std::fabs(twice + (2 * std::cos(2.0) - std::sin(2.0)) / 32) < 1e-13);
+}
+
 /* Members of an object that was moved from throw, or return what nothing has. */
 static void moved_from()
 {
@@ -496,6 +516,7 @@ int main()
     ensembles();
     errors_of_ensembles();
     gradients();
+    second_derivatives();
     moved_from();
     powers();
     eigen();

@@ -11,6 +11,10 @@ def spring(q, k):
     return k * q[0]**2 / 2
 
 
+def harmonic(q, k):
+    return k[0] * q[0]**2 / 2 + 3 * k[1] * q[1]**2 / 2
+
+
 SPRING = tvi.potential(1, spring, k=4.0)
 
 
@@ -114,6 +118,50 @@ class Gradients(unittest.TestCase):
         self.assertIn("the record is full", run.message)
         whole = tvi.solve(kepler, (0, run.t_end), [1, 0], [0, 0.8], h=0.1, gradient=True)
         self.assertAlmostEqual(run.gradient(q_end=[1, 0]).mu / whole.gradient(q_end=[1, 0]).mu, 1, places=6)
+
+    def test_second_derivatives(self):
+        kepler = tvi.potential(2, lambda q, mu: -mu / np.sqrt(q @ q), mu=1.0)
+        lifted, times = kepler.tangent(), np.linspace(0, 10, 11)
+
+        def run(system, x, dx=np.zeros(0), **more):
+            parts = [np.concatenate([x[i:i + 2], dx[i:i + 2]]) for i in (0, 2)]
+            if len(dx):
+                more["dmu"] = dx[4]
+            return tvi.solve(system, (0, 10), parts[0], v0=parts[1], h=0.1, t_eval=times, gradient=True, mu=x[4], **more)
+
+        def gradient(x):  # of |q|^2 / 2
+            orbit = run(kepler, x)
+            g = orbit.gradient(q=orbit.q)
+            return np.array([*g.q0, *g.v0, g.mu])
+
+        x = np.array([1, 0.1, 0.05, 0.8, 1])
+        H = np.empty((5, 5))
+        for i, w in enumerate(np.eye(5)):
+            orbit = run(lifted, x, w)
+            g = orbit.gradient(q=np.roll(orbit.q, 2, axis=1))
+            H[i] = *g.q0[:2], *g.v0[:2], g.mu
+            np.testing.assert_allclose([*g.q0[2:], *g.v0[2:], g.dmu], gradient(x), rtol=1e-11)
+        size = np.abs(H).max()
+        np.testing.assert_allclose(H, H.T, rtol=0, atol=1e-11 * size)
+        expected = [differences(lambda y, i=i: gradient(y)[i], x) for i in range(5)]
+        np.testing.assert_allclose(H, expected, rtol=0, atol=1e-8 * size)
+
+    def test_tangent_systems(self):
+        system = tvi.potential(2, harmonic, mass=[1, 3], k=[2.0, 3.0]).tangent()
+        self.assertEqual((system.n, list(system.parameters), system.has_energy), (4, ["k", "dk"], False))
+        np.testing.assert_array_equal(system.masses, [1, 3, 1, 3])
+        again = pickle.loads(pickle.dumps(system))
+        start = (0, 3), [1, 2, 0, 0], [0, 0, 0, 0]
+        for one in (system, again):
+            q = tvi.solve(one, *start, h=0.1, k=[4, 9], dk=[1, 0]).q_end
+            np.testing.assert_allclose(q, [np.cos(6), 2 * np.cos(9), -3 * np.sin(6) / 4, 0], rtol=0, atol=1e-13)
+        self.assertIn("tangent, n = 4, k=[2. 3.], dk=[0. 0.]", repr(system))
+        with self.assertRaisesRegex(tvi.Error, "a rescaled system has no tangent system"):
+            SPRING.rescaled(lambda q, p: 1 + q[0]**2).tangent()
+        with self.assertRaisesRegex(tvi.Error, "a constrained system has no tangent system"):
+            tvi.constrained(tvi.potential(2, lambda q: q[1]), lambda q: [q @ q - 1]).tangent()
+        with self.assertRaisesRegex(ValueError, "the system has a parameter dk"):
+            tvi.potential(1, lambda q, k, dk: k * dk * q[0], k=1, dk=2).tangent()
 
     def test_pickles(self):
         run = tvi.solve(SPRING, (0, 1), [1], p0=0, h=0.1, gradient=True)

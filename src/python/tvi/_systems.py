@@ -44,7 +44,7 @@ class System:
         masses = np.unique(self.masses)
         rows = {"n": self.n, "mass": masses[0] if len(masses) == 1 else f"from {masses[0]:.6g} to {masses[-1]:.6g}",
                 "function": getattr(self._arguments[1], "__qualname__", self._arguments[1]),
-                "energy": None if self.has_energy else "none, as it is made from a force",
+                "energy": None if self.has_energy else "none" if self.kind == "tangent" else "none, as it is made from a force",
                 "constraints": self.constraints or None, "made of": None, **self.parameters}
         if self.kind not in _CALLS:
             rows["made of"] = self._arguments[0]
@@ -81,7 +81,7 @@ class System:
     def masses(self) -> np.ndarray:
         """The masses [n] of the coordinates; 1 for a Lagrangian and a Hamiltonian, which state none."""
         if self.kind not in _CALLS:
-            return self._arguments[0].masses
+            return np.tile(self._arguments[0].masses, self.n // self._arguments[0].n)
         mass = self._arguments[2] if self.kind in ("potential", "force") else None
         return spread("mass", 1.0 if mass is None else mass, self.n).copy()
 
@@ -92,8 +92,8 @@ class System:
 
     @property
     def has_energy(self) -> bool:
-        """Whether it has a Hamiltonian: all but a force, and what is made of one."""
-        return self.kind != "force" if self.kind in _CALLS else self._arguments[0].has_energy
+        """Whether it has a Hamiltonian: all but a force, a tangent system, and what is made of one."""
+        return self.kind not in ("force", "tangent") and (self.kind in _CALLS or self._arguments[0].has_energy)
 
     @property
     def tangent_rows(self) -> int:
@@ -196,6 +196,27 @@ class System:
         {'k': 0.1}
         """
         return _derived("driven", self, drive, "q v", parameters)
+
+    def tangent(self) -> "System":
+        """The tangent system, which moves a state and a tangent vector of it, for second derivatives (docs/fits.md).
+
+        q is (q, dq), and p is (p, dp); of a Lagrangian that is not separable p is (dp, p). Each parameter k has a dk
+        beside it, recorded as 0. A gradient of its runs gives second derivatives times the vector. Raises tvi.Error
+        (EUNSUPPORTED) for a rescaled or constrained system; ValueError where dk is a parameter already.
+
+        >>> import tvi
+        >>> fall = tvi.potential(1, lambda q, weight: weight * q[0], weight=9.8).tangent()
+        >>> run = tvi.solve(fall, (0, 1), [0, 1], [0, 0], h=0.5, dweight=3)
+        >>> print(run.q_end)  # the place after a second, and its derivative: 1 - 3 / 2
+        [-4.9 -0.5]
+        """
+        parameters = dict(self.parameters)
+        for name, value in self.parameters.items():
+            if "d" + name in self.parameters:
+                raise ValueError(f"the tangent system has d{name} for {name}, and the system has a parameter d{name}")
+            parameters["d" + name] = np.zeros(np.shape(value)) if np.ndim(value) else 0.0
+        made = make("tvi_system", lambda out: lib.tvi_system_tangent(out, self._handle.pointer))
+        return System("tangent", 2 * self.n, (self, None), parameters, made)
 
     # ---- Of a constrained system -------------------------------------------------------------------------------------
 
@@ -361,6 +382,8 @@ def _again(kind: str, arguments: tuple, parameters: dict[str, Any], others: dict
     new = {name: value for name, value in parameters.items() if name not in base.parameters}
     if kind == "constrained":
         return constrained(inherited, function, **new)
+    if kind == "tangent":
+        return inherited.tangent()
     return inherited.driven(function, **new) if kind == "driven" else \
         inherited.rescaled(function, kind == "rescaled_reversible")
 
