@@ -127,7 +127,8 @@ class Gradients(unittest.TestCase):
             parts = [np.concatenate([x[i:i + 2], dx[i:i + 2]]) for i in (0, 2)]
             if len(dx):
                 more["dmu"] = dx[4]
-            return tvi.solve(system, (0, 10), parts[0], v0=parts[1], h=0.1, t_eval=times, gradient=True, mu=x[4], **more)
+            return tvi.solve(system, (0, 10), parts[0], v0=parts[1], h=0.1, t_eval=times, gradient=True, mu=x[4],
+                             **more)
 
         def gradient(x):  # of |q|^2 / 2
             orbit = run(kepler, x)

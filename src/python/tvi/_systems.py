@@ -14,6 +14,7 @@ from ._library import Guard, Handle, check, ffi, lib, make
 from ._shown import as_html
 
 MAX_DIMENSION = 10000
+_NO_ENERGY = {"tangent": "none, as it moves a tangent vector"}
 
 
 class System:
@@ -44,7 +45,7 @@ class System:
         masses = np.unique(self.masses)
         rows = {"n": self.n, "mass": masses[0] if len(masses) == 1 else f"from {masses[0]:.6g} to {masses[-1]:.6g}",
                 "function": getattr(self._arguments[1], "__qualname__", self._arguments[1]),
-                "energy": None if self.has_energy else "none" if self.kind == "tangent" else "none, as it is made from a force",
+                "energy": None if self.has_energy else _NO_ENERGY.get(self.kind, "none, as it is made from a force"),
                 "constraints": self.constraints or None, "made of": None, **self.parameters}
         if self.kind not in _CALLS:
             rows["made of"] = self._arguments[0]
