@@ -59,8 +59,8 @@ static void allocate_constraint_nodes(constraint_nodes *at, tvi_arena *arena, co
     at->impulse_column = tvi_arena_allocate(arena, entries * sizeof *at->impulse_column);
     for (int k = 0, e = 0; k < at->count && at->impulse_row && at->impulse_column; k++)
         for (; e < c->row_end[k]; e++) {
-            at->impulse_row[e] = constraint_turn(at, k, at->count);
-            at->impulse_column[e] = constraint_turn(at, c->column[e], at->n);
+            at->impulse_row[e] = tvi_constraint_multiplier(c, k);
+            at->impulse_column[e] = tvi_constraint_momentum(c, at->n, c->column[e]);
         }
     at->pass.values = tvi_arena_allocate_block(arena, c->values, 1, lane_count, 0);
     at->pass.curvature = tvi_arena_allocate_block(arena, c->curvature, 1, lane_count, 0);
@@ -321,6 +321,5 @@ const tvi_stepper tvi_stepper_constrained = {.allocate = allocate_work,
                                              .interpolate = tvi_constrained_interpolate,
                                              .sample = tvi_constrained_sample,
                                              .is_superconvergent = true,
-                                             .serves_constrained_lifts = true,
                                              .is_history_valid = is_history_valid,
                                              .list_tapes = list_tapes};

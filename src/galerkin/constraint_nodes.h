@@ -58,8 +58,7 @@ typedef struct {
     bool has_masses;
     const tvi_constraints *constraints;
     const galerkin_lobatto *tables;
-    /* [entries] The constraint whose multiplier each entry of G is multiplied by, and the coordinate whose momentum the
-     * impulse changes: its row and its column, but on the constraints of a lift those of the other half. */
+    /* [entries] The multiplier of each entry of G, and the momentum that the impulse changes. */
     int *impulse_row, *impulse_column;
     double h, *W, *hW; /* the step, W, which is [n] with masses and [n][n] without, and h W */
     double *mu;        /* [count][lanes] the multipliers of the sources */
@@ -106,18 +105,6 @@ JET_INLINE void constraint_apply_W(const constraint_nodes *at, const double *W, 
     }
 }
 
-/* Returns the place in the other half of `count` things of a lift, and otherwise the place itself. */
-static inline int constraint_turn(const constraint_nodes *at, int place, int count)
-{
-    return at->constraints->is_lift ? (place + count / 2) % count : place;
-}
-
-/* Tells whether an entry of G ties the tangent vector of a lift to the state. */
-static inline bool constraint_ties_halves(const constraint_nodes *at, int row, int column)
-{
-    return at->constraints->is_lift && 2 * row >= at->count && 2 * column < at->n;
-}
-
 /* out = G^T x, [n][lanes] from [count][lanes]; entry e of G is at G[e * lanes]. Those of a lift change places. */
 JET_INLINE void constraint_apply_GT(const constraint_nodes *at, const double *G, const double *x, double *out,
                                     const int lanes)
@@ -138,27 +125,34 @@ JET_INLINE void constraint_add_G(const constraint_nodes *at, const double *G, co
             lanes_add_product(out + k * lanes, G + e * lanes, x + c->column[e] * lanes, 1, lanes);
 }
 
-/* Sets S = G W G^T, and for a lift S of both halves without what ties the second one to the first: multipliers of the
- * first do not depend on those of the second, so that S still finds both in two turns. */
+/* row += W g, where g is an entry of G in column j. In a lift it is the same for both halves: dv/dp of the state. Where
+ * W has all columns, those of (dp, p), it stands beside 0. */
+JET_INLINE void constraint_add_W_column(const constraint_nodes *at, int j, const double *g, double *row,
+                                        const int lanes)
+{
+    const bool is_lift = at->constraints->is_lift;
+    const int n = at->n, half = is_lift ? n / 2 : n, first = j / half * half, of = is_lift ? (j + half) % n : j;
+    if (at->has_masses) lanes_add_multiple(row + j * lanes, at->W[j], g, lanes);
+    for (int i = first; i < (at->has_masses ? 0 : first + half); i++)
+        lanes_add_multiple(row + i * lanes, at->W[i * n + of], g, lanes);
+}
+
+/* Sets S = G W G^T, and for a lift S of both halves without what ties them (tvi_constraint_ties_halves). */
 JET_INLINE void constraint_set_S(const constraint_nodes *at, const double *G, double *S, const int lanes)
 {
     const tvi_constraints *c = at->constraints;
     for (int l = 0; l < at->count; l++) {
         double *const row = at->pass.scratch;
         memset(row, 0, (size_t)(at->n * lanes) * sizeof *row);
-        for (int e = constraint_row_begin(c, l); e < c->row_end[l]; e++) {
-            const int j = c->column[e];
-            if (constraint_ties_halves(at, l, j)) continue;
-            if (at->has_masses) lanes_add_multiple(row + j * lanes, at->W[j], G + e * lanes, lanes);
-            for (int i = 0; i < (at->has_masses ? 0 : at->n); i++)
-                lanes_add_multiple(row + i * lanes, at->W[i * at->n + j], G + e * lanes, lanes);
-        }
+        for (int e = constraint_row_begin(c, l); e < c->row_end[l]; e++)
+            if (!tvi_constraint_ties_halves(c, at->n, l, c->column[e]))
+                constraint_add_W_column(at, c->column[e], G + e * lanes, row, lanes);
         for (int k = l; k < at->count; k++) {
             if (at->S.first[k] > l) continue;
             double *const to = S + (at->S.row_begin[k] + l - at->S.first[k]) * lanes;
             memset(to, 0, (size_t)lanes * sizeof *to);
             for (int e = constraint_row_begin(c, k); e < c->row_end[k]; e++)
-                if (!constraint_ties_halves(at, k, c->column[e]))
+                if (!tvi_constraint_ties_halves(c, at->n, k, c->column[e]))
                     lanes_add_product(to, G + e * lanes, row + c->column[e] * lanes, 1, lanes);
         }
     }
@@ -291,13 +285,13 @@ JET_INLINE bool constraint_bend(const constraint_nodes *at, double *bent, double
     const int *const slot = c->curvature->output_slot;
     double *const mu = at->pass.curvature + 2 * at->n * lanes;
     for (int k = 0; k < at->count; k++) {
-        double *const to = mu + constraint_turn(at, k, at->count) * lanes;
+        double *const to = mu + tvi_constraint_multiplier(c, k) * lanes;
         memcpy(to, at->mu + k * lanes + 1, (size_t)(lanes - 1) * sizeof *mu);
         to[lanes - 1] = 0;
     }
     if (!jet_sweep_values(c->curvature, at->pass.curvature, lanes)) return false;
     for (int i = 0; i < at->n; i++)
-        memcpy(bent + constraint_turn(at, i, at->n) * lanes, at->pass.curvature + slot[i] * lanes,
+        memcpy(bent + tvi_constraint_momentum(c, at->n, i) * lanes, at->pass.curvature + slot[i] * lanes,
                (size_t)lanes * sizeof *mu);
     for (int k = 0; k < at->count; k++)
         memcpy(half_square + k * lanes, at->pass.curvature + slot[at->n + k] * lanes, (size_t)lanes * sizeof *mu);

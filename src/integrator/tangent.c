@@ -123,10 +123,6 @@ static tvi_status reserve_tangent_columns(tvi_integrator *it, int column_count)
 /* Allocates the memory for tangent vectors when an integrator first uses them, or when it needs more columns. */
 tvi_status tvi_integrator_allocate_tangents(tvi_integrator *it, int column_count)
 {
-    if (it->system->constraints && !(it->stepped->form == TVI_SEPARABLE && it->stepper->serves_constrained_lifts))
-        return jet_refuse(TVI_EUNSUPPORTED,
-                          "the tangent map of a constrained system is for galerkin, and a potential or "
-                          "force with constant masses");
     if (!it->tangent) {
         tvi_tangent *tangent;
         const tvi_status status = create_tangent(&tangent, it);
@@ -195,14 +191,16 @@ static tvi_status put_tangent_onto_constraints(const tvi_integrator *it, double 
     const int n = tangent->n, m = it->system->constraints->count;
     tvi_constraint_work of_state = it->constraint_work, *lifted = &tangent->lifted_integrator->constraint_work;
     double *q = tangent->lifted_q, *p = tangent->lifted_p, *value = lifted->residual, *rate = lifted->scale;
-    tvi_status status = tvi_constraint_factor(&of_state, t, q, p);
+    double *dp = p + (tangent->are_momenta_swapped ? 0 : n);
+    tvi_status status = tvi_constraint_factor(&of_state, t, q, p + (tangent->are_momenta_swapped ? n : 0));
     for (int half = 0; half < 2 && status == TVI_OK; half++) {
         status = tvi_constraint_evaluate(lifted, t, q, p, value, rate);
         if (status != TVI_OK) break;
         double *off = (half ? rate : value) + m, *onto = of_state.correction;
         tvi_constraint_solve(&of_state, off);
-        tvi_constraint_force(&of_state, off, onto);
-        for (int i = 0; i < n; i++) *(half ? &p[n + i] : &q[n + i]) += half ? onto[i] : onto[i] / it->stepped->mass[i];
+        if (half) tvi_constraint_force(&of_state, off, onto);
+        else tvi_constraint_move(&of_state, off, onto);
+        for (int i = 0; i < n; i++) (half ? dp : q + n)[i] += onto[i];
     }
     return status;
 }

@@ -201,7 +201,6 @@ typedef struct {
     double (*compute_phase)(const void *work);
     /* From this h w on a step of an oscillator of frequency w is unstable. */
     double stable_phase;
-    bool serves_constrained_lifts; /* On constraints it serves those of a lift (tvi_constraints.is_lift). */
     /* Tells whether all indices in the stepper's part of a loaded history are inside their arrays. NULL: the history
      * has no indices. */
     bool (*is_history_valid)(const void *work);

@@ -134,7 +134,9 @@ static void set_impulse(const verlet_work *w)
     const tvi_constraints *c = w->system->constraints;
     memset(w->impulse, 0, (size_t)w->system->n * sizeof *w->impulse);
     for (int k = 0, e = 0; k < c->count; k++)
-        for (; e < c->row_end[k]; e++) w->impulse[c->column[e]] -= w->start_G[e] * w->mu[k];
+        for (; e < c->row_end[k]; e++)
+            w->impulse[tvi_constraint_momentum(c, w->system->n, c->column[e])] -=
+                w->start_G[e] * w->mu[tvi_constraint_multiplier(c, k)];
 }
 
 /* Sets q at the end of the step, from the force and the impulse at its start. Returns by how much of its size it moves.

@@ -227,12 +227,13 @@ static tvi_status record_lifted_phi(constraint_recording *recording, const tvi_s
     return recorded ? jet_graph_check_outputs(recording->constraints->graph, 2 * m, phi) : TVI_ENOMEM;
 }
 
-tvi_status tvi_constraints_create_lift(tvi_constraints **out, const tvi_system *base)
+tvi_status tvi_constraints_create_lift(tvi_constraints **out, const tvi_system *base, bool is_separable)
 {
     constraint_recording recording = {0};
     tvi_status status = begin_recording(&recording, 2 * base->n, 2 * base->constraints->count);
     if (status == TVI_OK) status = record_lifted_phi(&recording, base);
     if (status == TVI_OK) recording.constraints->is_lift = true;
+    if (status == TVI_OK) recording.constraints->has_separable_lift = is_separable;
     return finish_recording(out, &recording, status);
 }
 

@@ -12,8 +12,9 @@
 typedef struct tvi_constraints {
     int count; /* m */
     /* The constraints are those of a lift (tvi_system_create_lift): phi(q, t) = 0 and phi_q dq = 0, which have impulses
-     * -G^T lambda on p, and -(G^T dlambda + (phi_q dq)_q^T lambda) on dp. */
-    bool is_lift;
+     * -G^T lambda on p, and -(G^T dlambda + (phi_q dq)_q^T lambda) on dp. The multipliers are (lambda, dlambda), so
+     * that those of the first half move the state alone; momenta of a separable lift are (p, dp), of others (dp, p). */
+    bool is_lift, has_separable_lift;
     jet_graph *graph; /* The recording, with the inputs q [n], d [n], mu [m] and t in this order; finished. */
     jet *phi;         /* [m] */
     /* The entries of G that are not 0 everywhere, row by row: those of row k are row_end[k - 1] .. row_end[k] - 1. */
@@ -29,11 +30,28 @@ typedef struct tvi_constraints {
 /* Returns the first entry of row k of G. */
 static inline int constraint_row_begin(const tvi_constraints *c, int k) { return k > 0 ? c->row_end[k - 1] : 0; }
 
+/* The multiplier of constraint k, and the momentum that a force along coordinate i changes: k and i, but in a lift phi
+ * has dlambda for its multiplier, and a force along q changes dp. */
+static inline int tvi_constraint_multiplier(const tvi_constraints *c, int k)
+{
+    return c->is_lift ? (k + c->count / 2) % c->count : k;
+}
+static inline int tvi_constraint_momentum(const tvi_constraints *c, int n, int i)
+{
+    return c->has_separable_lift ? (i + n / 2) % n : i;
+}
+
+/* Tells whether an entry of G, of n columns, ties the tangent vector of a lift to the state. S is made without them:
+ * the multipliers of the state do not depend on those of the vector, so that it finds both in two turns. */
+static inline bool tvi_constraint_ties_halves(const tvi_constraints *c, int n, int row, int column)
+{
+    return c->is_lift && 2 * row >= c->count && 2 * column < n;
+}
+
 void tvi_constraints_free(tvi_constraints *constraints);
 
-/* Creates the constraints of a separable lift, whose coordinates are (q, dq), from those of the system that is lifted.
- */
-TVI_NODISCARD tvi_status tvi_constraints_create_lift(tvi_constraints **out, const tvi_system *base);
+/* Creates the constraints of a lift, whose coordinates are (q, dq), from those of the system that is lifted. */
+TVI_NODISCARD tvi_status tvi_constraints_create_lift(tvi_constraints **out, const tvi_system *base, bool is_separable);
 
 /* Tells whether the system has constraints that depend on the time, and so do work. */
 static inline bool tvi_constraints_use_time(const tvi_system *system)
@@ -91,6 +109,9 @@ TVI_NODISCARD tvi_status tvi_constraint_multipliers(tvi_constraint_work *work, d
 
 /* Sets force [n] to the force of constraint -G^T lambda where phi was evaluated last. */
 void tvi_constraint_force(const tvi_constraint_work *work, const double lambda[], double force[]);
+
+/* Sets move [n] to -W G^T y, along which coordinates are moved, with the W that was set last. */
+void tvi_constraint_move(tvi_constraint_work *work, const double y[], double move[]);
 
 /* Sets W and the factor of S at a state. */
 TVI_NODISCARD tvi_status tvi_constraint_factor(tvi_constraint_work *work, double t, const double q[], const double p[]);

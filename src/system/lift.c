@@ -91,7 +91,7 @@ tvi_status tvi_system_create_lift(tvi_system **out, const tvi_system *system, tv
     tvi_status status = tvi_system_record(
         out, 2 * system->n, &(system_statement){.record = record_lift, .base = system, .has_velocities = is_paired});
     if (status != TVI_OK || !system->constraints) return status;
-    status = tvi_constraints_create_lift(&(*out)->constraints, system);
+    status = tvi_constraints_create_lift(&(*out)->constraints, system, !is_paired);
     (*out)->subsystems.count = (*out)->tail.subsystems.count = 1;
     if (status == TVI_OK) return TVI_OK;
     tvi_system_free(*out);

@@ -183,7 +183,8 @@ static void multiply_by_G_transposed(const tvi_constraint_work *work, const doub
     memset(x, 0, (size_t)work->system->n * sizeof *x);
     for (int k = 0; k < constraints->count; k++)
         for (int e = constraint_row_begin(constraints, k); e < constraints->row_end[k]; e++)
-            x[constraints->column[e]] -= entry_of_G(work, e) * y[k];
+            x[tvi_constraint_momentum(constraints, work->system->n, constraints->column[e])] -=
+                entry_of_G(work, e) * y[tvi_constraint_multiplier(constraints, k)];
 }
 
 /* Adds W x to `to`, [n]. */
@@ -197,12 +198,11 @@ static void add_W_product(const tvi_constraint_work *work, const double x[], dou
     }
 }
 
-/* Sets x [n] to -W G^T y. */
-static void multiply_by_W_G_transposed(const tvi_constraint_work *work, const double y[], double x[])
+void tvi_constraint_move(tvi_constraint_work *work, const double y[], double move[])
 {
     multiply_by_G_transposed(work, y, work->product);
-    memset(x, 0, (size_t)work->system->n * sizeof *x);
-    add_W_product(work, work->product, x);
+    memset(move, 0, (size_t)work->system->n * sizeof *move);
+    add_W_product(work, work->product, move);
 }
 
 tvi_status tvi_constraint_evaluate(tvi_constraint_work *work, double t, const double q[], const double p[],
@@ -231,6 +231,7 @@ static void compute_S(tvi_constraint_work *work)
         memset(row, 0, n * sizeof *row);
         for (int e = constraint_row_begin(constraints, (int)k); e < constraints->row_end[k]; e++) {
             const size_t j = (size_t)constraints->column[e];
+            if (tvi_constraint_ties_halves(constraints, (int)n, (int)k, (int)j)) continue;
             if (is_diagonal) row[j] = entry_of_G(work, e) * work->W[j];
             for (size_t i = 0; i < (is_diagonal ? 0 : n); i++) row[i] += entry_of_G(work, e) * work->W[i * n + j];
         }
@@ -431,7 +432,7 @@ static tvi_status project_coordinates(tvi_constraint_work *work, double t, bool 
         if (status != TVI_OK) return status;
         for (int k = 0; k < m; k++) work->residual[k] = phi_of(work, k) + multiply_row_of_G(work, k, work->moved.q_low);
         tvi_constraint_solve(work, work->residual);
-        multiply_by_W_G_transposed(work, work->residual, work->correction);
+        tvi_constraint_move(work, work->residual, work->correction);
         if (!tvi_all_finite(n, work->correction)) break;
         judged = judge_correction(&passes, tvi_largest_magnitude(n, work->correction, 1),
                                   tvi_largest_magnitude(n, work->moved.q, 1));
@@ -458,7 +459,7 @@ static tvi_status project_momenta(tvi_constraint_work *work, double t, bool is_n
         if (status != TVI_OK) return status;
         for (int k = 0; k < m; k++) work->residual[k] = rate_of(work, k);
         tvi_constraint_solve(work, work->residual);
-        multiply_by_W_G_transposed(work, work->residual, work->correction);
+        tvi_constraint_move(work, work->residual, work->correction);
         const double size = tvi_largest_magnitude(n, work->velocity, 1);
         if (!tvi_all_finite(n, work->correction)) break;
         judged = judge_correction(&passes, tvi_largest_magnitude(n, work->correction, 1), size);

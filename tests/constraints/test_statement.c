@@ -185,27 +185,6 @@ START_TEST(changes_that_are_refused)
 }
 END_TEST
 
-/* Of RATTLE, and of masses that are not constant: its memory is that of an integrator without tangents, and the state
- * stays. */
-START_TEST(tangents_are_refused)
-{
-    tvi_system *system = system_of(&problems[PENDULUM]);
-    tvi_integrator *it;
-    tvi_options options;
-    double t = 0, q[] = {ROD[0], 0}, p[] = {0, 1}, D[] = {1, 2, 3, 4};
-    ck_assert_int_eq(tvi_options_named("stormer-verlet", 2, &options), TVI_OK);
-    ck_assert_int_eq(tvi_integrator_create(&it, system, &options), TVI_OK);
-    refused("the tangent map of a constrained system is for galerkin", tvi_step_tangent(it, 0.01, &t, q, p, D, 1),
-            TVI_EUNSUPPORTED);
-    ck_assert(t == 0 && q[0] == ROD[0] && q[1] == 0 && p[0] == 0 && p[1] == 1 && D[0] == 1);
-    const tvi_run_plan plan = {.h = 0.01, .steps = 1, .D = D, .columns = 1};
-    refused("the tangent map of a constrained system is for galerkin", tvi_run(it, &plan, &t, q, p), TVI_EUNSUPPORTED);
-    ck_assert(t == 0 && q[0] == ROD[0] && q[1] == 0 && p[0] == 0 && p[1] == 1 && D[0] == 1);
-    tvi_integrator_free(it);
-    tvi_system_free(system);
-}
-END_TEST
-
 /* All methods but "galerkin" and "stormer-verlet", and numbers of passes that the user chooses. */
 START_TEST(methods_that_are_refused)
 {
@@ -345,7 +324,6 @@ Suite *suite_statement(void)
     tcase_add_loop_test(tests, constraints_that_are_refused, 0, (int)(sizeof cases / sizeof *cases));
     tcase_add_test(tests, systems_that_are_refused);
     tcase_add_test(tests, changes_that_are_refused);
-    tcase_add_test(tests, tangents_are_refused);
     tcase_add_loop_test(tests, methods_that_are_refused, 0, problem_count);
     tcase_add_loop_test(tests, counts, 0, problem_count);
     tcase_add_loop_test(tests, base_stays, 0, problem_count);

@@ -228,8 +228,7 @@ class Refused(unittest.TestCase):
                      lambda: tvi.constrained(fall(4), lambda q: list(q[:next(counts)])))
         for call in (lambda: tvi.constrained(pendulum(), rod), lambda: tvi.constrained(scaled, rod),
                      lambda: pendulum().rescaled(), lambda: pendulum().driven(lambda q, v: -v),
-                     lambda: pendulum().rescaled(lambda q, p: 1 + q[0]**2, reversible=True),
-                     lambda: tvi.compile(pendulum())):
+                     lambda: pendulum().rescaled(lambda q, p: 1 + q[0]**2, reversible=True)):
             self.refused(tvi.Error, "constrained|rescaled", call, "EUNSUPPORTED")
 
     def test_page(self):
@@ -285,19 +284,21 @@ class Refused(unittest.TestCase):
                 self.refused(tvi.Error, "a constrained system is for galerkin", call, "EUNSUPPORTED")
         self.refused(tvi.Error, "galerkin", lambda: tvi.solve(system, (0, 1), [1, 0], 0, tolerance=1e-8),
                      "EUNSUPPORTED")
-        self.refused(tvi.Error, "constrained", lambda: tvi.solve(system, (0, 1), [1, 0], 0, h=0.1, compiled=True),
-                     "EUNSUPPORTED")
-        bent = tvi.constrained(tvi.hamiltonian(2, lambda q, p: (p @ p) / (2 + q[0] ** 2) + 9.8 * q[1]), rod)
-        it, orbits = tvi.Integrator(bent, [1, 0], 0), tvi.Ensemble(bent, [[1, 0]] * 2, 0)
-        it.tangent = orbits.tangent = np.eye(4)
-        self.refused(tvi.Error, "tangent map of a constrained", lambda: it.step(0.1), "EUNSUPPORTED")
-        for call in (lambda: orbits.integrate(0.1, 2), lambda: tvi.megno(bent, (0, 1), [1, 0], 0, h=0.1),
-                     lambda: tvi.lyapunov(bent, (0, 1), [1, 0], 0, h=0.1)):
-            self.refused(tvi.Error, "tangent map of a constrained", call, "EUNSUPPORTED")
+
+    def test_compiled(self):
+        plain, compiled = (tvi.solve(pendulum(), (0, 1), [1, 0], 0, h=0.05, compiled=how) for how in (False, True))
+        self.assertEqual((plain.stats.is_compiled, compiled.stats.is_compiled), (False, True))
+        np.testing.assert_allclose(compiled.q, plain.q, rtol=0, atol=1e-13)
 
     def test_tangents(self):
-        """A pendulum is regular: its megno is 2."""
-        self.assertAlmostEqual(float(tvi.megno(pendulum(), (0, 2000), [1, 0], 0, h=0.05)), 2, delta=0.1)
+        """A motion on a circle is regular: its megno is 2."""
+        bent = tvi.constrained(tvi.hamiltonian(2, lambda q, p: (p @ p) / (2 + q[0] ** 2) + 9.8 * q[1]), rod)
+        for system in (pendulum(), bent):
+            self.assertAlmostEqual(float(tvi.megno(system, (0, 2000), [1, 0], 0, h=0.05)), 2, delta=0.1)
+        orbits, it = tvi.Ensemble(bent, [[1, 0]] * 2, 0), tvi.Integrator(bent, [1, 0], 0)
+        orbits.tangent = it.tangent = np.eye(4)
+        orbits.integrate(0.1, 2), it.integrate(0.1, 2)
+        np.testing.assert_array_equal(orbits.tangent[0], it.tangent)
 
 
 if __name__ == "__main__":
