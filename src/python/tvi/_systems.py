@@ -444,9 +444,9 @@ def constrained(system: System, function: Callable, **parameters: Any) -> System
     to count them, and once to record them. parameters by keyword: those of the system that it names, and new ones,
     with their values. Steps find the forces of constraint, -sum lambda_k dphi_k/dq. q and p keep their n numbers,
     and p stays M v. A run begins on the constraints, to half of the digits; System.project moves other states onto
-    them. Results have phi, multipliers and constraint_force. Rescaled steps do not serve. Raises tvi.Error: EINVAL for m
-    out of range and a phi_k that is a number or depends on t alone, EUNSUPPORTED for a system that is rescaled, or
-    constrained already.
+    them. Results have phi, multipliers and constraint_force. Rescaled steps do not serve. Raises tvi.Error: EINVAL
+    for m out of range and a phi_k that is a number or depends on t alone, EUNSUPPORTED for a system that is rescaled,
+    or constrained already.
 
     >>> import tvi
     >>> pendulum = tvi.constrained(tvi.potential(2, lambda q: 9.8 * q[1]), lambda q: [(q @ q - 1) / 2])
