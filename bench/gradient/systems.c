@@ -2,6 +2,7 @@
 #include "systems.h"
 
 #include "experiments/experiment.h"
+#include "scene.h"
 
 #include <math.h>
 
@@ -119,20 +120,10 @@ static tvi_system *make_chain(int n)
     return made(status, out);
 }
 
-static jet double_pendulum(const jet q[], const jet v[], jet t, void *ctx)
-{
-    (void)t, (void)ctx;
-    const jet g = jet_parameter(q[0], 0, 9.8), m = jet_parameter(q[0], 1, 1);
-    const jet upper = jet_mul(jet_add(1, m), jet_div(jet_sqr(v[0]), 2)), lower = jet_mul(m, jet_div(jet_sqr(v[1]), 2));
-    const jet both = jet_mul(m, jet_mul(jet_mul(v[0], v[1]), jet_cos(jet_sub(q[0], q[1]))));
-    const jet weight = jet_add(jet_mul(jet_add(1, m), jet_cos(q[0])), jet_mul(m, jet_cos(q[1])));
-    return jet_add(jet_add(upper, jet_add(lower, both)), jet_mul(g, weight));
-}
-
 static tvi_system *make_double_pendulum(int n)
 {
     tvi_system *out;
-    const tvi_status status = tvi_system_lagrangian(&out, n, double_pendulum, NULL);
+    const tvi_status status = tvi_system_lagrangian(&out, n, double_pendulum_with_parameters, NULL);
     return made(status, out);
 }
 

@@ -1,4 +1,4 @@
-/* double_pendulum.c - Defines the scene of a double pendulum. */
+/* double_pendulum.c - Defines the scene of a double pendulum, and one with parameters. */
 #include "scene.h"
 
 /* Two pendulums, one below the other, with angles q from the vertical:
@@ -20,6 +20,16 @@ static jet lagrangian(const jet q[], const jet v[], jet t, void *ctx)
     jet weight =
         jet_add(jet_mul(both * GRAVITY * LENGTH_1, jet_cos(q[0])), jet_mul(MASS_2 * GRAVITY * LENGTH_2, jet_cos(q[1])));
     return jet_add(jet_add(upper, lower), jet_add(mixed, weight));
+}
+
+jet double_pendulum_with_parameters(const jet q[], const jet v[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    const jet g = jet_parameter(q[0], 0, 9.8), m = jet_parameter(q[0], 1, 1);
+    const jet upper = jet_mul(jet_add(1, m), jet_div(jet_sqr(v[0]), 2)), lower = jet_mul(m, jet_div(jet_sqr(v[1]), 2));
+    const jet both = jet_mul(m, jet_mul(jet_mul(v[0], v[1]), jet_cos(jet_sub(q[0], q[1]))));
+    const jet weight = jet_add(jet_mul(jet_add(1, m), jet_cos(q[0])), jet_mul(m, jet_cos(q[1])));
+    return jet_add(jet_add(upper, jet_add(lower, both)), jet_mul(g, weight));
 }
 
 /* Both angles large and opposite. */

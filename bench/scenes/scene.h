@@ -31,6 +31,9 @@ extern const scene *const scenes[]; /* those with a potential, for the order swe
 extern const scene *const general_scenes[]; /* the others; NULL ends */
 const scene *scene_find(const char *name);  /* among scenes; NULL: no such scene */
 
+/* The Lagrangian of two masses 1 and m on links of length 1, with the parameters g = 9.8 and m = 1. */
+jet double_pendulum_with_parameters(const jet q[], const jet v[], jet t, void *ctx);
+
 /* The scene's system; *out is NULL on failure. */
 TVI_NODISCARD tvi_status scene_system(const scene *s, tvi_system **out);
 

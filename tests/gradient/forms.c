@@ -1,5 +1,6 @@
 /* forms.c - Makes the systems of gradient.h that columns at once do not serve, or have no need of. */
 #include "gradient.h"
+#include "scene.h"
 
 #include <math.h>
 
@@ -9,21 +10,11 @@ static tvi_system *made(tvi_status status, tvi_system *system)
     return system;
 }
 
-static jet double_pendulum(const jet q[], const jet v[], jet t, void *ctx)
-{
-    (void)t, (void)ctx;
-    const jet g = jet_parameter(q[0], 0, 9.8), m = jet_parameter(q[0], 1, 1);
-    const jet upper = jet_mul(jet_add(1, m), jet_div(jet_sqr(v[0]), 2)), lower = jet_mul(m, jet_div(jet_sqr(v[1]), 2));
-    const jet both = jet_mul(m, jet_mul(jet_mul(v[0], v[1]), jet_cos(jet_sub(q[0], q[1]))));
-    const jet weight = jet_add(jet_mul(jet_add(1, m), jet_cos(q[0])), jet_mul(m, jet_cos(q[1])));
-    return jet_add(jet_add(upper, jet_add(lower, both)), jet_mul(g, weight));
-}
-
 static tvi_system *make_double_pendulum(tvi_system **base)
 {
     tvi_system *out = NULL;
     *base = NULL;
-    const tvi_status status = tvi_system_lagrangian(&out, 2, double_pendulum, NULL);
+    const tvi_status status = tvi_system_lagrangian(&out, 2, double_pendulum_with_parameters, NULL);
     return made(status, out);
 }
 
