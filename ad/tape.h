@@ -108,7 +108,7 @@ uint64_t jet_tape_continue_hash(uint64_t hash, const jet_tape *tape);
 
 /* Prepares a block, once, before its first sweep: sets the constants, and the inputs to 0. All other slots are NaN
  * until a sweep computes them, so that a number that was read too early shows. */
-void jet_tape_prepare_block(const jet_tape *tape, double *block, int order_count, int lanes);
+void jet_tape_write_constants(const jet_tape *tape, double *block, int order_count, int lanes);
 
 /* Allocates a block for values and prepares it; free() frees it. Returns NULL if memory is lacking. */
 double *jet_tape_create_block(const jet_tape *tape, int lanes);

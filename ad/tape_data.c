@@ -35,7 +35,7 @@ static void list_tape_arrays(const jet_tape *tape, tape_array list[TAPE_ARRAYS])
     memcpy(list, all, sizeof all);
 }
 
-void jet_tape_prepare_block(const jet_tape *tape, double *block, int order_count, int lanes)
+void jet_tape_write_constants(const jet_tape *tape, double *block, int order_count, int lanes)
 {
     const size_t given = (size_t)(tape->input_count + tape->constant_count) * (size_t)lanes;
     const size_t all = (size_t)tape->slot_count * (size_t)lanes;
@@ -48,7 +48,7 @@ void jet_tape_prepare_block(const jet_tape *tape, double *block, int order_count
 double *jet_tape_create_block(const jet_tape *tape, int lanes)
 {
     double *block = malloc((size_t)tape->slot_count * (size_t)lanes * sizeof *block);
-    if (block) jet_tape_prepare_block(tape, block, 1, lanes);
+    if (block) jet_tape_write_constants(tape, block, 1, lanes);
     return block;
 }
 

@@ -72,7 +72,7 @@ rounded *rounded_create(const tvi_system *system, double h)
     if (!r) return NULL;
     r->block = malloc((size_t)(system->field_values->slot_count * NODES) * sizeof *r->block);
     if (!r->block) return free(r), NULL;
-    jet_tape_prepare_block(system->field_values, r->block, 1, NODES);
+    jet_tape_write_constants(system->field_values, r->block, 1, NODES);
     r->system = system, r->h = h;
     const gauss_tableau *t = gauss_tableau_of(NODES);
     for (int i = 0; i < NODES; i++) {

@@ -38,7 +38,7 @@ tvi_status gauss_recorded(const tvi_system *system, int order, const baseline_ta
     block = malloc((size_t)(system->field_values->slot_count * LANES) * sizeof *block);
     if (!block) return TVI_ENOMEM;
     recorded = system;
-    jet_tape_prepare_block(system->field_values, block, 1, LANES);
+    jet_tape_write_constants(system->field_values, block, 1, LANES);
     const tvi_status status = gauss_8(system->n, order / 2, acceleration, task, q, p, counts);
     free(block);
     return status;

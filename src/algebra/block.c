@@ -16,7 +16,7 @@ double *tvi_arena_allocate_block(tvi_arena *arena, const jet_tape *tape, int ord
 void tvi_blocks_set_constants(const tvi_tape_block *first)
 {
     for (const tvi_tape_block *block = first; block; block = block->next)
-        jet_tape_prepare_block(block->tape, block->x, block->orders, block->lanes);
+        jet_tape_write_constants(block->tape, block->x, block->orders, block->lanes);
 }
 
 void tvi_blocks_set_parameters(const tvi_tape_block *first, int count, const double value[])

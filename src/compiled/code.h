@@ -25,7 +25,7 @@ struct galerkin_generated_steps;
 typedef struct tvi_generated_code {
     /* The hash of the source text of tvi that is part of the code (tvi_compiled_hash_library_text). If the tvi of the
      * running program has another text, the code is not used. */
-    uint64_t tvi_text_hash;
+    uint64_t library_text_hash;
     /* The hashes of the system and of the options for which the code was made. The code serves for no others. */
     uint64_t system_hash, options_hash;
     jet_isa isa; /* The instruction set for which the code was compiled. */

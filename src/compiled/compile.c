@@ -84,7 +84,7 @@ static void emit_code_table_initialiser(jet_text *text, const jet_emission_reque
 {
     jet_text_append(text,
                     "static const tvi_generated_code tvi_this_code = {\n    "
-                    ".tvi_text_hash = UINT64_C(%" PRIu64 "),\n    .system_hash = UINT64_C(%" PRIu64
+                    ".library_text_hash = UINT64_C(%" PRIu64 "),\n    .system_hash = UINT64_C(%" PRIu64
                     "),\n    .options_hash = UINT64_C(%" PRIu64 "),\n    .isa = JET_GENERATED_ISA,\n    .sweeps = {",
                     tvi_compiled_hash_library_text(), tvi_system_fingerprint(stepped_system),
                     tvi_options_fingerprint(resolved_options));

@@ -55,12 +55,12 @@ static void allocate_constraint_nodes(constraint_nodes *at, tvi_arena *arena, co
         at->S.size += k - first + 1;
     }
     const size_t factor = (size_t)at->S.size, entries = (size_t)c->entry_count;
-    at->impulse_row = tvi_arena_allocate(arena, entries * sizeof *at->impulse_row);
-    at->impulse_column = tvi_arena_allocate(arena, entries * sizeof *at->impulse_column);
-    for (int k = 0, e = 0; k < at->count && at->impulse_row && at->impulse_column; k++)
+    at->multiplier_of_entry = tvi_arena_allocate(arena, entries * sizeof *at->multiplier_of_entry);
+    at->momentum_of_entry = tvi_arena_allocate(arena, entries * sizeof *at->momentum_of_entry);
+    for (int k = 0, e = 0; k < at->count && at->multiplier_of_entry && at->momentum_of_entry; k++)
         for (; e < c->row_end[k]; e++) {
-            at->impulse_row[e] = tvi_constraint_multiplier(c, k);
-            at->impulse_column[e] = tvi_constraint_momentum(c, at->n, c->column[e]);
+            at->multiplier_of_entry[e] = tvi_constraint_multiplier(c, k);
+            at->momentum_of_entry[e] = tvi_constraint_momentum(c, at->n, c->column[e]);
         }
     at->pass.values = tvi_arena_allocate_block(arena, c->values, 1, lane_count, 0);
     at->pass.curvature = tvi_arena_allocate_block(arena, c->curvature, 1, lane_count, 0);
@@ -103,7 +103,7 @@ static void *allocate_work(tvi_arena *arena, const tvi_system *system, const tvi
         work.ring[i].lambda = tvi_arena_allocate_uncopied(arena, count * nodes * sizeof(double));
         work.ring[i].K = tvi_arena_allocate_uncopied(arena, n * nodes * sizeof(double));
     }
-    work.linear_low = tvi_arena_allocate_doubles(arena, (size_t)system->input_count * lanes);
+    work.low_without_impulses = tvi_arena_allocate_doubles(arena, (size_t)system->input_count * lanes);
     work.sum = tvi_arena_allocate_doubles(arena, n * lanes);
     work.fit[0] = tvi_arena_allocate_doubles(arena, 2 * lanes * lanes);
     work.fit[1] = tvi_arena_allocate_doubles(arena, lanes * lanes);

@@ -18,9 +18,10 @@ typedef struct {
     galerkin_lobatto tables;
     constraint_nodes nodes;
     constraint_record ring[GALERKIN_RING_LENGTH]; /* those of the last steps, by the index of galerkin_step.ring */
-    double *linear_low; /* [unknowns][lanes] the low-order part of the free motion without impulses of constraints */
-    double *sum;        /* [n][lanes] scratch */
-    double *fit[2];     /* [m][lanes][lanes] the factors of impulses of the last two steps in those of the next */
+    /* [unknowns][lanes] the low-order part of the free motion without the impulses of the constraints */
+    double *low_without_impulses;
+    double *sum;    /* [n][lanes] scratch */
+    double *fit[2]; /* [m][lanes][lanes] the factors of impulses of the last two steps in those of the next */
     /* One state: the start of the step, and then its end. */
     tvi_constraint_work one;
     double *values, *bend;                          /* blocks of the tapes: values, and second derivatives in lanes */

@@ -39,13 +39,13 @@ static bool set_G_of_state(constrained_work *work, double t, const double *q, co
     return true;
 }
 
-/* Sets G and the factor of S at q + q_low. */
+/* Sets G = phi_q and the factor of S = G W G^T at q + q_low. */
 static tvi_status set_factor_of_state(constrained_work *work, double t, const double *q, const double *q_low, double *G,
                                       double *S)
 {
     int least = 0;
     if (!set_G_of_state(work, t, q, q_low, G)) return TVI_EDOMAIN;
-    const double pivot = constraint_factor(&work->nodes, G, S, &least, 1);
+    const double pivot = constraint_factor_S(&work->nodes, G, S, &least, 1);
     return pivot > tvi_dependent_pivot(work->nodes.count) ? TVI_OK : tvi_refuse_dependent(least, pivot);
 }
 
@@ -104,7 +104,7 @@ void tvi_constrained_add_impulses(const constrained_work *work)
     for (int i = 0; i < at->n; i++)
         for (int k = i * lanes; k < (i + 1) * lanes; k++)
             step->nodes.free_motion_low[first * lanes + k] =
-                work->linear_low[first * lanes + k] + (step->is_separable ? at->hW[i] : 1) * work->sum[k];
+                work->low_without_impulses[first * lanes + k] + (step->is_separable ? at->hW[i] : 1) * work->sum[k];
 }
 
 /* Sets by_forces: what the impulses of the forces do to the positions at the targets. In equations of first order they
@@ -174,7 +174,7 @@ tvi_status tvi_constrained_predict(constrained_work *work, const tvi_step_origin
     if (status != TVI_OK) return status;
     step->nodes.impulse = galerkin_ring_at(step, (int)galerkin->predictor.history->ring_index + 1);
     galerkin_set_free_motion(step, origin);
-    memcpy(work->linear_low, step->nodes.free_motion_low, unknown_bytes);
+    memcpy(work->low_without_impulses, step->nodes.free_motion_low, unknown_bytes);
     set_free_positions(work, origin);
     if (equal_step_count == 0) {
         /* Those of a lift, whose S differs, begin at 0. */

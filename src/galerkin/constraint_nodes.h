@@ -59,7 +59,7 @@ typedef struct {
     const tvi_constraints *constraints;
     const galerkin_lobatto *tables;
     /* [entries] The multiplier of each entry of G, and the momentum that the impulse changes. */
-    int *impulse_row, *impulse_column;
+    int *multiplier_of_entry, *momentum_of_entry;
     double h, *W, *hW; /* the step, W, which is [n] with masses and [n][n] without, and h W */
     double *mu;        /* [count][lanes] the multipliers of the sources */
     double *K;         /* [n][lanes] their impulses */
@@ -112,7 +112,8 @@ JET_INLINE void constraint_apply_GT(const constraint_nodes *at, const double *G,
     const tvi_constraints *c = at->constraints;
     memset(out, 0, (size_t)(at->n * lanes) * sizeof *out);
     for (int e = 0; e < c->entry_count; e++)
-        lanes_add_product(out + at->impulse_column[e] * lanes, G + e * lanes, x + at->impulse_row[e] * lanes, 1, lanes);
+        lanes_add_product(out + at->momentum_of_entry[e] * lanes, G + e * lanes, x + at->multiplier_of_entry[e] * lanes,
+                          1, lanes);
 }
 
 /* out += G x, [count][lanes] from [n][lanes]. */
@@ -160,7 +161,8 @@ JET_INLINE void constraint_set_S(const constraint_nodes *at, const double *G, do
 
 /* Sets S = G W G^T, and factors it. The diagonal of the factor is stored as its reciprocal. Returns the least pivot as
  * a part of the diagonal of S, at any lane, or NAN if one is no number; *least is its constraint. */
-JET_INLINE double constraint_factor(const constraint_nodes *at, const double *G, double *S, int *least, const int lanes)
+JET_INLINE double constraint_factor_S(const constraint_nodes *at, const double *G, double *S, int *least,
+                                      const int lanes)
 {
     double worst = INFINITY;
     constraint_set_S(at, G, S, lanes);
@@ -345,7 +347,7 @@ JET_INLINE constraint_outcome constraint_pass_rows(const constraint_nodes *at, b
     double *const dx = at->pass.curvature + numbers;
     if (!constraint_evaluate(at, lanes)) return outcome;
     if (is_factor_new) {
-        outcome.pivot = constraint_factor(at, at->G.targets, at->S.targets, &outcome.least, lanes);
+        outcome.pivot = constraint_factor_S(at, at->G.targets, at->S.targets, &outcome.least, lanes);
         constraint_to_sources(at->S.size, at->S.targets, at->S.start, at->S.sources, lanes);
     }
     memcpy(dx, at->pass.rest, (size_t)numbers * sizeof *dx);

@@ -85,7 +85,7 @@ JET_INLINE double node_size_addition(double largest)
  * size in its subsystem (GALERKIN_MIN_SHARE). If masses are known, no more is added to the size of a momentum than
  * m_over_h times the part that is added to its coordinate. There are no branches, because the processor could not
  * predict which number is larger. */
-JET_INLINE void set_sizes_of_subsystem(const galerkin_nodes *nodes, int first, int end)
+JET_INLINE void set_inverse_sizes_of_subsystem(const galerkin_nodes *nodes, int first, int end)
 {
     const int n = nodes->n;
     const bool has_momenta = nodes->unknown_count > n;
@@ -115,7 +115,7 @@ NODE_LOOP void nodes_set_sizes(const galerkin_nodes *nodes)
     const tvi_subsystems parts = nodes->subsystems;
     for (int k = 0, first = 0, end; k < parts.count; k++, first = end) {
         end = tvi_subsystems_end(&parts, k, nodes->n);
-        set_sizes_of_subsystem(nodes, first, end);
+        set_inverse_sizes_of_subsystem(nodes, first, end);
     }
 }
 

@@ -108,8 +108,8 @@ void tvi_galerkin_allocate_form(galerkin_work *work, tvi_arena *arena)
 
 /* ---- Lists ------------------------------------------------------------------------------------------------------- */
 
-/* Lists the elements of each row of the symmetric Hessian. Columns of the second half come first, since V moves before
- * Q. */
+/* Lists the elements of each row of the symmetric Hessian. Columns of the second half, derivatives by V, come first: a
+ * pass adds their products first, as velocities move before positions. */
 static void list_hessian(const tvi_system *system, int *column, int *element_slot, int *row_end)
 {
     const int rows = 2 * system->n;

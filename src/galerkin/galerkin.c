@@ -144,8 +144,8 @@ static void fill_rows(const galerkin_nodes *nodes, int first, int count, const d
 /* Moves the unknowns by the rates in the rows of nodes.x. */
 static void move_by_rates(const galerkin_step *step)
 {
-    if (step->form == GALERKIN_LAGRANGIAN) lagrangian_move_q_and_p(step->lagrangian, &step->nodes, step->rate_row);
-    else (void)nodes_move(&step->nodes, step->nodes.x, step->rate_row, NULL);
+    if (step->form == GALERKIN_LAGRANGIAN) lagrangian_move_by_rates(step->lagrangian, &step->nodes, step->rate_row);
+    else (void)nodes_move_by_rates(&step->nodes, step->nodes.x, step->rate_row, NULL);
 }
 
 /* Predicts the unknowns from the start of the step alone, whose size does not enter the rates: the field at the start

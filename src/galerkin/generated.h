@@ -45,7 +45,7 @@ typedef struct {
     double size[SINGLE_ROWS + 1], inverse_size[SINGLE_ROWS + 1];
 } generated_hamiltonian;
 
-JET_INLINE void generated_set_sizes(galerkin_nodes *nodes)
+JET_INLINE void generated_set_counts(galerkin_nodes *nodes)
 {
     nodes->lane_count = GALERKIN_LANES;
     nodes->node_count = GALERKIN_NODE_COUNT;
@@ -62,7 +62,7 @@ JET_INLINE void generated_copy_rows(double *to, const double *from, int first, i
 
 /* Makes the blocks local arrays (if IS_LOCAL): lets the step point to those in `own`, and copies the rows that a tape
  * reads and does not set. If the caller has predicted the unknowns, copies their rows, too. */
-JET_INLINE void generated_localise_blocks(galerkin_step *step, generated_blocks *own, bool is_predicted)
+JET_INLINE void generated_use_own_blocks(galerkin_step *step, generated_blocks *own, bool is_predicted)
 {
     galerkin_field_at_nodes *field = &step->field;
     if (!IS_LOCAL) return;
@@ -76,7 +76,7 @@ JET_INLINE void generated_localise_blocks(galerkin_step *step, generated_blocks 
 }
 
 /* Sets the lists of a Lagrangian's pass to constants, and makes its arrays local (if IS_LOCAL). */
-JET_INLINE void generated_localise_lagrangian(lagrangian_pass *pass, generated_lagrangian *own, bool is_predicted)
+JET_INLINE void generated_use_own_lagrangian(lagrangian_pass *pass, generated_lagrangian *own, bool is_predicted)
 {
     pass->L_vv.n = GALERKIN_N;
     pass->row_end = galerkin_row_end;
@@ -95,7 +95,7 @@ JET_INLINE void generated_localise_lagrangian(lagrangian_pass *pass, generated_l
 }
 
 /* Sets the sizes and lists of a Hamiltonian's pass to constants, and makes its arrays local (if IS_PACKED). */
-JET_INLINE void generated_localise_hamiltonian(hamiltonian_pass *pass, generated_hamiltonian *own)
+JET_INLINE void generated_use_own_hamiltonian(hamiltonian_pass *pass, generated_hamiltonian *own)
 {
     pass->columns = GALERKIN_HESSIAN_COLUMNS;
     pass->rows = GALERKIN_HESSIAN_ROWS;
@@ -130,25 +130,25 @@ static void galerkin_make_generated_steps(const galerkin_step *general, const tv
     step.is_separable = step.tail.is_separable = GALERKIN_IS_SEPARABLE;
     step.rule = (tvi_stopping_rule)GALERKIN_RULE;
     step.rate_row = galerkin_rate_row;
-    generated_set_sizes(&step.nodes);
+    generated_set_counts(&step.nodes);
     step.tail.n = step.field.n = GALERKIN_N;
     step.tail.subsystems.count = GALERKIN_TAIL_SUBSYSTEMS;
     step.field.lane_count = GALERKIN_LANES;
     step.field.input_count = GALERKIN_INPUTS;
     step.field.slot[false] = galerkin_slot;
     step.field.slot[true] = galerkin_hessian_slot;
-    generated_localise_blocks(&step, &blocks, is_predicted);
+    generated_use_own_blocks(&step, &blocks, is_predicted);
     if (IS_LAGRANGIAN) {
         lagrangian = *general->lagrangian;
-        generated_localise_lagrangian(&lagrangian, &own_lagrangian, is_predicted);
-        generated_set_sizes(&lagrangian.rates);
+        generated_use_own_lagrangian(&lagrangian, &own_lagrangian, is_predicted);
+        generated_set_counts(&lagrangian.rates);
         lagrangian.rates.x = step.nodes.x + 2 * GALERKIN_N * GALERKIN_LANES;
         step.lagrangian = &lagrangian;
     }
     if (IS_HAMILTONIAN) {
         hamiltonian = *general->hamiltonian;
-        generated_localise_hamiltonian(&hamiltonian, &own_hamiltonian);
-        generated_set_sizes(&hamiltonian.rates);
+        generated_use_own_hamiltonian(&hamiltonian, &own_hamiltonian);
+        generated_set_counts(&hamiltonian.rates);
         hamiltonian.rates.x = step.nodes.x + GALERKIN_UNKNOWNS * GALERKIN_LANES;
         step.hamiltonian = &hamiltonian;
     }

@@ -159,8 +159,8 @@ JET_INLINE double set_dx(const hamiltonian_pass *pass, const int lanes)
 }
 
 /* Sets dL to the impulses of the current rates minus those of the last movement, and dx_sum to 0. */
-JET_INLINE void begin_inner_iterations(const galerkin_nodes *nodes, const hamiltonian_pass *pass, const double *rates,
-                                       const int slot[], const int lanes)
+JET_INLINE void set_first_changes_of_impulses(const galerkin_nodes *nodes, const hamiltonian_pass *pass,
+                                              const double *rates, const int slot[], const int lanes)
 {
     const int width = SINGLE_LANES(lanes);
     for (int i = 0; i < pass->columns; i++) {
@@ -185,7 +185,7 @@ JET_INLINE void run_inner_iterations(const galerkin_nodes *nodes, const hamilton
     double before = INFINITY, earlier;
     int count = 0;
     if (is_new) pack_hessian(nodes, pass, block, lanes);
-    begin_inner_iterations(nodes, pass, rates, slot, lanes);
+    set_first_changes_of_impulses(nodes, pass, rates, slot, lanes);
     const double first = set_dx(pass, lanes);
     const double second_order =
         GALERKIN_INNER_GOAL * first * (is_new ? first : pass->last_movement) / (nodes->unknown_count * lanes);
@@ -227,7 +227,7 @@ static inline void hamiltonian_predict(hamiltonian_pass *pass, const galerkin_no
     galerkin_nodes all = *nodes;
     all.moving_count = all.unknown_count;
     nodes_predict(&pass->rates, by);
-    (void)nodes_move(&all, nodes->x, rate_row, NULL);
+    (void)nodes_move_by_rates(&all, nodes->x, rate_row, NULL);
     pass->last_movement = INFINITY;
 }
 

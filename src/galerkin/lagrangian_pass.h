@@ -183,18 +183,18 @@ static inline galerkin_nodes lagrangian_half(const galerkin_nodes *all, int firs
 static inline double lagrangian_move_p(const galerkin_nodes *nodes, const int rate_row[])
 {
     const galerkin_nodes momenta = lagrangian_half(nodes, nodes->n);
-    return nodes_move(&momenta, nodes->x, rate_row + nodes->n, NULL);
+    return nodes_move_by_rates(&momenta, nodes->x, rate_row + nodes->n, NULL);
 }
 
 /* Moves Q by the rates V. Returns the movement. */
 static inline double lagrangian_move_q(const lagrangian_pass *pass, const galerkin_nodes *nodes, const int rate_row[])
 {
     const galerkin_nodes positions = lagrangian_half(nodes, 0);
-    return nodes_move(&positions, nodes->x, rate_row, pass->q_moved);
+    return nodes_move_by_rates(&positions, nodes->x, rate_row, pass->q_moved);
 }
 
 /* Moves Q and P by the current rates V and F. */
-static inline void lagrangian_move_q_and_p(lagrangian_pass *pass, const galerkin_nodes *nodes, const int rate_row[])
+static inline void lagrangian_move_by_rates(lagrangian_pass *pass, const galerkin_nodes *nodes, const int rate_row[])
 {
     (void)lagrangian_move_p(nodes, rate_row);
     (void)lagrangian_move_q(pass, nodes, rate_row);
@@ -206,7 +206,7 @@ static inline void lagrangian_predict(lagrangian_pass *pass, const galerkin_node
                                       const galerkin_extrapolation *by)
 {
     nodes_predict(&pass->rates, by);
-    lagrangian_move_q_and_p(pass, nodes, rate_row);
+    lagrangian_move_by_rates(pass, nodes, rate_row);
 }
 
 /* ---- A pass ------------------------------------------------------------------------------------------------------ */

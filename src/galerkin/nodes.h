@@ -91,7 +91,7 @@ typedef struct {
     double *inverse_size; /* [unknown_count] 1 / size of each unknown, by which movements are measured */
     double *hb;           /* [lane_count] h b_j */
     double *m_over_h;     /* [n] the momentum that moves a coordinate by 1 in the step; INFINITY without masses */
-    const double *nu;     /* [j][i] the matrix nu_ij (head of this file) */
+    const double *nu;     /* [j][i] the matrix nu_ij: how impulse L_j moves the unknown at node i */
     tvi_subsystems subsystems;
 } galerkin_nodes;
 
@@ -251,7 +251,8 @@ JET_INLINE double move_unknowns_by_impulses(const galerkin_nodes *given, double 
 }
 
 /* Sets the impulses from the rates, and moves the unknowns by them. Returns the movement. */
-NODE_LOOP double nodes_move(const galerkin_nodes *nodes, const double *rates, const int slot[], double *displacement)
+NODE_LOOP double nodes_move_by_rates(const galerkin_nodes *nodes, const double *rates, const int slot[],
+                                     double *displacement)
 {
     double movement;
     BY_LANES(lanes, nodes->lane_count, set_impulse_rows(nodes, rates, slot, lanes);

@@ -66,7 +66,7 @@ typedef struct {
 /* The results of several steps in a row, apart from the increments of the state. */
 typedef struct galerkin_outcome {
     /* TVI_OK, or the status of the step or the prediction that failed. It is TVI_OK, too, if the last step was not
-     * added to the state (galerkin_add_step). */
+     * added to the state (galerkin_add_to_state). */
     tvi_status status;
     long step_count;
     galerkin_counts counts;          /* the work of all passes */
@@ -128,7 +128,7 @@ static inline bool galerkin_make_plain_pass(const galerkin_step *step, double *m
     }
 #endif
     if (!galerkin_sweep(&step->field, false)) return false;
-    *movement = nodes_move(&step->nodes, step->nodes.x, step->rate_row, NULL);
+    *movement = nodes_move_by_rates(&step->nodes, step->nodes.x, step->rate_row, NULL);
     return true;
 }
 
@@ -222,8 +222,8 @@ static inline bool galerkin_are_sums_finite(int count, const double *x, const do
 /* Adds the increments of a step to the state. Returns false, and adds nothing, in three cases: the energy has to be
  * checked first, because the tail or the number of passes exceeds run->unchecked_limits; the step does not end before
  * run->t_end; or the sums are not finite. */
-static inline bool galerkin_add_step(int n, const tvi_run_request *run, const tvi_run_state *state, double tail,
-                                     long passes)
+static inline bool galerkin_add_to_state(int n, const tvi_run_request *run, const tvi_run_state *state, double tail,
+                                         long passes)
 {
     const tvi_increments *d = &run->last_step_increments_out;
     if (!(tail <= run->unchecked_limits.max_tail && passes <= run->unchecked_limits.max_passes)) return false;
@@ -239,9 +239,9 @@ static inline bool galerkin_add_step(int n, const tvi_run_request *run, const tv
 
 /* Makes steps of size step->h in a row from the origin, and adds them to `state`. The size acts through nodes.hb,
  * nodes.scale and nodes.m_over_h, which galerkin.c has set; run->h is the same number, which only
- * tvi_step_ends_before_t_end reads here. galerkin_add_step also adds run->last_step_increments_out.dq[n], which is h,
- * to the time state->q[n]. If `state` is NULL, makes a single step and adds nothing. If outcome->equal_step_count is 0,
- * the caller has set the unknowns of the first step. */
+ * tvi_step_ends_before_t_end reads here. galerkin_add_to_state also adds run->last_step_increments_out.dq[n], which is
+ * h, to the time state->q[n]. If `state` is NULL, makes a single step and adds nothing. If outcome->equal_step_count is
+ * 0, the caller has set the unknowns of the first step. */
 static inline void galerkin_make_steps(galerkin_step *step, const tvi_run_request *run, const tvi_step_origin *origin,
                                        const tvi_run_state *state, galerkin_outcome *outcome)
 {
@@ -258,7 +258,7 @@ static inline void galerkin_make_steps(galerkin_step *step, const tvi_run_reques
         outcome->status = galerkin_make_passes(step, origin, &convergence, &movement, &outcome->counts);
         if (outcome->status != TVI_OK) return;
         tail = galerkin_set_increments(step, origin, &run->last_step_increments_out);
-        if (state && !galerkin_add_step(n, run, state, tail, outcome->counts.passes - before)) return;
+        if (state && !galerkin_add_to_state(n, run, state, tail, outcome->counts.passes - before)) return;
         outcome->step_count++;
         outcome->counts_of_added = outcome->counts;
         outcome->ring_index = (outcome->ring_index + 1) % GALERKIN_RING_LENGTH;

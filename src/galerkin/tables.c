@@ -219,7 +219,7 @@ static void set_orthonormal_polynomials(int m, const long double node[], int fit
         /* If before == k, the product is the square of the norm of basis[k]. */
         for (int before = 0; before <= k; before++) {
             long double product = 0;
-            /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): m >= 1 */
+            /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): 3 m >= 3 numbers of `now` are set. */
             for (int i = 0; i < fitted_point_count; i++) product += now[i] * basis[before][i];
             for (int i = 0; i < 3 * m && before < k; i++) now[i] -= product * basis[before][i];
             for (int i = 0; i < 3 * m && before == k; i++) now[i] /= sqrtl(product);

@@ -154,7 +154,7 @@ static newton_progress begin_passes(const tvi_newton *newton)
 
 /* Updates the growth of the contraction ratio, after a correction of this size. A greater growth that one correction
  * suggests is accepted only if the next correction contracts again, because roundoff does not contract. */
-static void update_growth(newton_progress *record, const tvi_stopping_rule *rule, double size)
+static void update_ratio_growth(newton_progress *record, const tvi_stopping_rule *rule, double size)
 {
     const tvi_convergence_test *test = &record->unknowns;
     const bool contracts = size <= rule->stall_ratio * test->size;
@@ -171,7 +171,7 @@ static tvi_passes_verdict judge_pass(newton_progress *record, const tvi_newton *
 {
     const tvi_stopping_rule *rule = &newton->unknown_rule;
     const double expected = record->unknowns.expected_next_size;
-    update_growth(record, rule, sizes->largest_of_unknowns);
+    update_ratio_growth(record, rule, sizes->largest_of_unknowns);
     record->unknowns.ratio_growth = tvi_larger(record->growth, record->unconfirmed);
     const tvi_passes_verdict verdict = tvi_convergence_add_pass(&record->unknowns, rule, sizes->largest_of_unknowns);
     const tvi_passes_verdict of_groups =

@@ -89,7 +89,7 @@ static tvi_status compute_residual(void *self, const double z[], double *restric
     if (status == TVI_OK) status = c->solver->solve(c, z, w->newton.scale, w->step.stats);
     if (status != TVI_OK) return status;
     set_end_corrections(c);
-    tvi_series_sum_compute(&c->curve, &w->q_start_rise, r);
+    tvi_series_sum_compute(&c->curve, &w->q_start_minus_Q0, r);
     tvi_series_sum_compute(&c->curve, &c->ends[TVI_U_START], r + n);
     for (int i = 0; i < n; i++) {
         const double kappa = c->curve.kappa[i];
@@ -249,7 +249,7 @@ static void *allocate(tvi_arena *arena, const tvi_system *system, const tvi_opti
     c->curve.p_degree = shape.p_degree;
     for (int i = TVI_NO_SUM + 1; i < TVI_END_SUMS; i++) c->ends[i] = tvi_series_sum_allocate(&c->curve, arena);
     tvi_series_sum *const sums[] = {
-        &c->p_size_sum, &w.q_start_rise, &w.predictor.q_at_centre, &w.predictor.v_at_centre, &w.predictor.v_at_end,
+        &c->p_size_sum, &w.q_start_minus_Q0, &w.predictor.q_at_centre, &w.predictor.v_at_centre, &w.predictor.v_at_end,
         &w.dense_q,     &w.dense_u};
     for (size_t i = 0; i < sizeof sums / sizeof *sums; i++) *sums[i] = tvi_series_sum_allocate(&c->curve, arena);
     if (system->form == TVI_LAGRANGIAN) {
@@ -297,7 +297,7 @@ static void set_tables(void *self)
                                   factor[i][1], from);
     }
     tvi_series_sum_set_powers(&c->p_size_sum, curve, true, curve->p_degree, 1, 1, 0, 0);
-    tvi_series_sum_set_powers(&w->q_start_rise, curve, false, curve->q_degree, 1, from, -1, 0);
+    tvi_series_sum_set_powers(&w->q_start_minus_Q0, curve, false, curve->q_degree, 1, from, -1, 0);
     tvi_series_sum_set_powers(&w->predictor.q_at_centre, curve, false, curve->highest_order, 1, s, 0, 0);
     for (int k = 0; k <= curve->highest_order; k++) {
         weight[k] = hamiltonian ? pow(s, k) : k > 0 ? k * pow(s, k - 1) : 0;

@@ -41,7 +41,7 @@ typedef struct {
     const tvi_options *options;
     tvi_action action;
     tvi_newton newton;
-    tvi_series_sum q_start_rise;     /* q- - Q_0 */
+    tvi_series_sum q_start_minus_Q0; /* q- - Q_0 */
     tvi_series_sum dense_q, dense_u; /* the increments to one point of dense output */
     double *scratch;                 /* [n] */
     /* The predictor. Its transform and its guess of the velocity are used for a Lagrangian only. */

@@ -58,8 +58,8 @@ typedef struct {
 
 /* The last step that was tried. It is valid until the state is set by the user. */
 typedef struct {
-    tvi_run_state start;       /* the state at its start, in history.before */
-    double h, covered_time;    /* its size, and its increment of the time */
+    tvi_run_state start;       /* the state at the start of the step; its memory is history.before */
+    double h, covered_time;    /* the size of the step, and its increment of the time */
     tvi_increments increments; /* the increments of the state; dense output writes its own there later */
     bool has_curve;            /* the stepper's memory holds its curve, for tvi_dense: it succeeded */
     /* is_state_from_step in history.before: tells whether the step began at the result of the step before it. */

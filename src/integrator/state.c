@@ -419,7 +419,7 @@ static tvi_status set_state(tvi_integrator *it, const state_page *page)
     const int n = it->system->n;
     const double *const q = page->state + 2, *const p = q + 2 * n;
     const tvi_run_state *state = &it->state;
-    split_pairs(n, q, it->guard.end.q, NULL); /* scratch: begin_step clears the state before it copies */
+    split_pairs(n, q, it->guard.end.q, NULL); /* guard.end is scratch between steps */
     split_pairs(n, p, it->guard.end.p, NULL);
     *it->is_state_from_step = false;
     const tvi_status status = tvi_integrator_begin_step(it, page->state[0], it->guard.end.q, it->guard.end.p);

@@ -72,9 +72,9 @@ static tvi_status allocate_tape_blocks(tvi_integrator *it, tvi_tangent *tangent)
     const size_t numbers = (size_t)flow->slot_count + (change ? (size_t)change->slot_count : 0);
     tangent->field_block = malloc(numbers * sizeof *tangent->field_block);
     if (!tangent->field_block) return TVI_ENOMEM;
-    jet_tape_prepare_block(flow, tangent->field_block, 1, 1);
+    jet_tape_write_constants(flow, tangent->field_block, 1, 1);
     if (change) tangent->energy_block = tangent->field_block + flow->slot_count;
-    if (change) jet_tape_prepare_block(change, tangent->energy_block, 1, 1);
+    if (change) jet_tape_write_constants(change, tangent->energy_block, 1, 1);
     it->stats.bytes += numbers * sizeof *tangent->field_block;
     return TVI_OK;
 }
@@ -380,9 +380,9 @@ bool tvi_columns_match_last_step_end(const tvi_integrator *it, const tvi_tangent
 tvi_status tvi_columns_allocate(tvi_integrator *it, const tvi_tangent_columns *columns)
 {
     if (!columns->elements) return TVI_OK;
-    tvi_status status = columns->are_at_once ? tvi_at_once_check(it) : TVI_OK;
+    tvi_status status = columns->are_moved_together ? tvi_at_once_check(it) : TVI_OK;
     if (status == TVI_OK) status = tvi_integrator_allocate_tangents(it, columns->count);
-    if (status == TVI_OK && columns->are_at_once)
+    if (status == TVI_OK && columns->are_moved_together)
         status = tvi_at_once_provide(&it->tangent->at_once, it, columns->count, columns->elements);
     return status;
 }
@@ -409,7 +409,7 @@ tvi_status tvi_columns_propagate_by_step(const tvi_integrator *it, const tvi_tan
     tvi_status status = tvi_columns_check_finite(it, &start);
     if (status == TVI_OK)
         status =
-            columns->are_at_once
+            columns->are_moved_together
                 ? tvi_at_once_multiply(tangent->at_once, it, start.elements, goes_on, end.elements)
                 : multiply_columns_by_jacobian(
                       it, &(differentiated_step){&it->last_step.start, it->parameters, it->last_step.h}, &start, &end);
@@ -431,7 +431,7 @@ tvi_status tvi_columns_propagate_to_offset(const tvi_integrator *it, const tvi_t
     tvi_columns_restore_step_start(it, columns);
     if (offset == 0) return TVI_OK;
     const tvi_status status =
-        columns->are_at_once
+        columns->are_moved_together
             ? tvi_at_once_multiply_by_part(tangent->at_once, it, start.elements, parameters, offset, columns->elements)
             : multiply_columns_by_jacobian(it, &(differentiated_step){&it->last_step.start, parameters, offset}, &start,
                                            columns);

@@ -13,7 +13,7 @@ typedef struct {
     int count;
     size_t element_spacing;
     /* They are moved several at once (columns.h), and not each by itself; element_spacing is then 1. */
-    bool are_at_once;
+    bool are_moved_together;
 } tvi_tangent_columns;
 
 /* The tangent vectors of a run before and after its last step. Points inside the step are computed from those before

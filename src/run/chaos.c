@@ -103,20 +103,20 @@ static int see_step(int member, int which, double t, const double q[], const dou
     return run->plan->at_step ? run->plan->at_step(member, which, t, q, p, run->plan->ctx) : 0;
 }
 
-static int see_time(int member, int which, double t, const double q[], const double p[], void *ctx)
+static int tell_user_of_time(int member, int which, double t, const double q[], const double p[], void *ctx)
 {
     const tvi_run_plan *plan = ((const chaos_run *)ctx)->plan;
     return plan->at_time(member, which, t, q, p, plan->ctx);
 }
 
-static int see_event(int member, int which, double t, const double q[], const double p[], void *ctx)
+static int tell_user_of_event(int member, int which, double t, const double q[], const double p[], void *ctx)
 {
     const tvi_run_plan *plan = ((const chaos_run *)ctx)->plan;
     return plan->on_event(member, which, t, q, p, plan->ctx);
 }
 
-static int see_members(long step, int members, const double t[], const double q[], const double p[],
-                       const tvi_status status[], void *ctx)
+static int tell_user_of_members(long step, int members, const double t[], const double q[], const double p[],
+                                const tvi_status status[], void *ctx)
 {
     const tvi_run_plan *plan = ((const chaos_run *)ctx)->plan;
     return plan->observer(step, members, t, q, p, status, plan->ctx);
@@ -162,9 +162,9 @@ tvi_status tvi_run_chaos(tvi_integrator *it, const tvi_run_plan *plan, tvi_chaos
     seen.columns = 1;
     seen.columns_at_once = tvi_at_once_serves(it);
     seen.at_step = see_step;
-    seen.at_time = plan->at_time ? see_time : NULL;
-    seen.on_event = plan->on_event ? see_event : NULL;
-    seen.observer = plan->observer ? see_members : NULL;
+    seen.at_time = plan->at_time ? tell_user_of_time : NULL;
+    seen.on_event = plan->on_event ? tell_user_of_event : NULL;
+    seen.observer = plan->observer ? tell_user_of_members : NULL;
     seen.ctx = &run;
     status = tvi_run(it, &seen, t, q, p);
     if (status == TVI_ESTOPPED) add_step(&run, *t); /* An event that ends a run is no step to an observer. */

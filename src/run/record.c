@@ -157,7 +157,8 @@ tvi_status tvi_record_begin_run(tvi_record *record, const tvi_integrator *it)
     if (it->system != again->system || it->options.compiled != again->options.compiled ||
         tvi_options_fingerprint(&it->options) != tvi_options_fingerprint(&again->options))
         return jet_refuse(TVI_EINVAL, "the record was created for another system or other options");
-    /* An integrator that is in no run writes no record, though longjmp may have left its observer. */
+    /* The writer is the integrator whose run writes the record. A run that longjmp has left is none: its own integrator
+     * may begin another. */
     if (record->writer && record->writer != it) return jet_refuse(TVI_EINVAL, "another run writes the record");
     const size_t n = (size_t)it->system->n;
     const bool has_begun = record->step_count > 0 || record->counts.told.count > 0;

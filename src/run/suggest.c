@@ -253,7 +253,7 @@ static tvi_status make_runs(search *s, double h, bool has_witness, run_result ru
 }
 
 /* Returns the next step after one whose error is too large. */
-static double smaller_step(const search *s, double h, double measured, run_result run[])
+static double next_smaller_step(const search *s, double h, double measured, run_result run[])
 {
     const double factor = measured > LARGEST_DISTANCE ? FINER : pow(AIM * s->wanted / measured, 1.0 / s->order);
     if (fabs(factor / FINER - 1) > 0.1) return h * fmax(factor, 1.0 / 4);
@@ -313,7 +313,7 @@ static tvi_status search_step(search *s, const tvi_system *system, run_result ru
                                   measured, next);
             before = measured;
             h_before = next;
-            next = smaller_step(s, next, measured, run);
+            next = next_smaller_step(s, next, measured, run);
         }
     }
     if (is_found && status != TVI_ENOMEM) return TVI_OK;

@@ -117,7 +117,7 @@ static jet sum_over_pairs(const tvi_bodies *b, double k, const jet q[])
 
 /* Tells the guard of steps (integrator/defect.c) that the inputs are places of bodies: of so many axes if they attract
  * each other, and of -axes if they are alone in a given field. */
-static void note_axes(jet x, int axes)
+static void tell_graph_axes_of_bodies(jet x, int axes)
 {
     jet_graph *graph;
     if (!jet_find_common_graph_or_poison(1, &x, &graph).node && graph && jet_graph_axes(graph) <= 0)
@@ -129,7 +129,7 @@ jet tvi_bodies_potential(const jet q[], jet t, void *ctx)
     const tvi_bodies *b = ctx;
     (void)t;
     if (tvi_bodies_check(b) != TVI_OK) return jet_const(NAN);
-    note_axes(q[0], b->axes);
+    tell_graph_axes_of_bodies(q[0], b->axes);
     return sum_over_pairs(b, 0, q);
 }
 
@@ -147,7 +147,7 @@ jet tvi_bodies_scale(const jet q[], const jet p[], jet t, void *ctx)
 jet tvi_bodies_field(const tvi_bodies *b, const jet at[], const jet x[])
 {
     if (tvi_bodies_check(b) != TVI_OK) return jet_const(NAN);
-    note_axes(x[0], -b->axes);
+    tell_graph_axes_of_bodies(x[0], -b->axes);
     jet V = jet_const(0);
     for (int i = 0; i < b->bodies; i++)
         V = jet_add(V, pair(b, 0, G_of(b) * b->mass[i], i == b->oblate, x, at + i * b->axes));

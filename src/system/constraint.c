@@ -284,7 +284,8 @@ int tvi_system_constraints(const tvi_system *system)
 /* ---- States ------------------------------------------------------------------------------------------------------ */
 
 /* Checks the arguments of a function of a state, and creates the memory to compute with its constraints, which the
- * caller frees. `parameters` NULL stands for the values in the recording. output [2] are the outputs. */
+ * caller frees. `parameters` NULL stands for the values in the recording. output [2] are the pointers to which the
+ * function writes: NULL is refused by its name. */
 static tvi_status open_work(tvi_constraint_work *work, void **memory, const tvi_system *system,
                             const double parameters[], double t, const double q[], const double p[],
                             const void *const output[2], const char *const output_name[2])

@@ -151,7 +151,7 @@ tvi_status tvi_event_expansion_open(tvi_event_expansion *expansion, const tvi_ev
     expansion->series_block = malloc((EVENT_LINE_DEGREE + 1) * slots * sizeof *expansion->series_block);
     expansion->first_order_slot_changes = calloc(slots * SAMPLES, sizeof *expansion->first_order_slot_changes);
     if (!expansion->series_block || !expansion->first_order_slot_changes) return TVI_ENOMEM;
-    jet_tape_prepare_block(event->series, expansion->series_block, EVENT_LINE_DEGREE + 1, 1);
+    jet_tape_write_constants(event->series, expansion->series_block, EVENT_LINE_DEGREE + 1, 1);
     return TVI_OK;
 }
 

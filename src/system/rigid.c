@@ -283,7 +283,7 @@ static jet *append_joint(const tvi_rigid *r, const jet q[], const tvi_joint *joi
 }
 
 /* Joints stand behind the later of their bodies. */
-static bool stands_behind(const tvi_joint *joint, int body)
+static bool is_later_body(const tvi_joint *joint, int body)
 {
     return (joint->body > joint->other ? joint->body : joint->other) == body;
 }
@@ -304,7 +304,7 @@ void tvi_rigid_constraint(const jet q[], jet t, jet value[], void *ctx)
                 *value++ = i == j ? jet_mul(0.5, jet_sub(product, 1)) : product;
             }
         for (int k = 0; k < r->joints; k++)
-            if (stands_behind(&r->joint[k], b)) value = append_joint(r, q, &r->joint[k], value);
+            if (is_later_body(&r->joint[k], b)) value = append_joint(r, q, &r->joint[k], value);
     }
 }
 
@@ -380,7 +380,7 @@ static int constraints_before(const tvi_rigid *r, int end)
         set_next_layout(r, b, &layout);
         count += layout.count * (layout.count + 1) / 2;
         for (int k = 0; k < r->joints; k++) {
-            if (!stands_behind(&r->joint[k], b)) continue;
+            if (!is_later_body(&r->joint[k], b)) continue;
             if (k == end) return count;
             count += joint_constraints(r, &r->joint[k]);
         }

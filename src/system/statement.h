@@ -1,5 +1,6 @@
-/* statement.h - Declares how a system is recorded: a statement of the user's function, or of a function of the library
- * that records a system which moves with another one. statement.c brings each into a form of tvi_form. */
+/* statement.h - Declares what a system is recorded from, a statement: the user's function (V, L, H or a force), or a
+ * function of the library that records a system made of another one, such as a lift. statement.c records it, and
+ * brings its equations into one of the forms of tvi_form. */
 #ifndef TVI_SRC_SYSTEM_STATEMENT_H
 #define TVI_SRC_SYSTEM_STATEMENT_H
 
@@ -36,7 +37,7 @@ struct system_recording {
     jet *q, *v, *r, t;
     jet user_function;       /* The user's V, L or H; without a node if there is none. */
     jet *field;              /* [2n] The field, which belongs to the system. */
-    jet *r_dot_H_p_gradient; /* [2n] The gradient of r.H_p. */
+    jet *r_dot_H_p_gradient; /* [2n] The gradient by q and p of r.H_p, r a vector. */
     jet *field_and_hessian;  /* [2n + hessian.entry_count] The field, and then the second derivatives. */
 };
 

@@ -55,8 +55,8 @@ struct tvi_system {
     } tail;
     /* True if the matrix L_vv of the Lagrangian, or H_pp of the Hamiltonian, was found to be regular at some state. */
     bool is_regular;
-    /* The coordinates are places of bodies of so many axes each, which attract each other; if it is negative, of bodies
-     * that only given ones attract; 0: they are not known to be places. */
+    /* The coordinates are places of bodies in a space of so many axes, 1 to 3, which attract each other. Negative: of
+     * bodies that do not, in a field that the user has given. 0: they are not known to be places. */
     int axes;
     struct tvi_constraints *constraints; /* The constraints phi(q, t) = 0 (constraint.h); NULL: there are none. */
     /* The recording, finished once the system is created. It is kept to recognise its jets, and to record the tangent

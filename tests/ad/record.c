@@ -124,7 +124,7 @@ static double *new_block(const jet_tape *tape, int orders, int lanes)
 bool run_values(const recording *r, int lanes, const double x[], double z[])
 {
     double *block = new_block(r->tape, 1, lanes);
-    jet_tape_prepare_block(r->tape, block, 1, lanes);
+    jet_tape_write_constants(r->tape, block, 1, lanes);
     spoil(r->tape, 1, lanes, false, block);
     set_inputs(r, 0, lanes, 0, 0, x, block);
     const bool inside = jet_sweep_values(r->tape, block, lanes);
@@ -149,7 +149,7 @@ static double size_of(const jet_tape *tape, int slot, int lanes, const double *l
 void run_sizes(const recording *r, int lanes, const double x[], double size[])
 {
     double *block = new_block(r->tape, 1, lanes);
-    jet_tape_prepare_block(r->tape, block, 1, lanes);
+    jet_tape_write_constants(r->tape, block, 1, lanes);
     set_inputs(r, 0, lanes, 0, 0, x, block);
     (void)jet_sweep_values(r->tape, block, lanes);
     for (int i = 0; i < r->outputs * lanes; i++)
@@ -160,7 +160,7 @@ void run_sizes(const recording *r, int lanes, const double x[], double size[])
 bool run_series(const recording *r, int degree, int lanes, const double x[], double z[])
 {
     double *block = new_block(r->tape, degree + 1, lanes);
-    jet_tape_prepare_block(r->tape, block, degree + 1, lanes);
+    jet_tape_write_constants(r->tape, block, degree + 1, lanes);
     spoil(r->tape, degree + 1, lanes, true, block);
     bool inside = true;
     for (int k = 0; k <= degree; k++) {
@@ -176,7 +176,7 @@ void run_tangents(const recording *r, int degree, int lanes_of_x, int lanes, con
                   double dz[])
 {
     double *block = new_block(r->tape, degree + 1, lanes_of_x), *dblock = new_block(r->tape, degree + 1, lanes);
-    jet_tape_prepare_block(r->tape, block, degree + 1, lanes_of_x);
+    jet_tape_write_constants(r->tape, block, degree + 1, lanes_of_x);
     spoil(r->tape, degree + 1, lanes_of_x, true, block);
     spoil(r->tape, degree + 1, lanes, true, dblock);
     for (int k = 0; k <= degree; k++) {
@@ -195,7 +195,7 @@ void run_adjoints(const recording *r, int degree, const double x[], const double
 {
     const jet_tape *tape = r->tape;
     double *block = new_block(tape, degree + 1, 1), *bar = new_block(tape, degree + 1, 1);
-    jet_tape_prepare_block(tape, block, degree + 1, 1);
+    jet_tape_write_constants(tape, block, degree + 1, 1);
     for (int k = 0; k <= degree; k++) {
         set_inputs(r, degree, 1, k, k, x, block);
         ck_assert(jet_sweep_series(tape, block, k, 1));

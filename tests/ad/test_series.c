@@ -42,7 +42,7 @@ static int values_that_differ(const function *f)
     dense_series(f, 0, x);
     ck_assert(precise && run_values(&r, 1, x, z));
     quad_series(f, 0, 1, x, want);
-    jet_tape_prepare_block(r.tape, block, 1, 1);
+    jet_tape_write_constants(r.tape, block, 1, 1);
     for (int i = 0; i < f->inputs; i++) precise[i] = x[i];
     jet_sweep_long_double_values(r.tape, block, precise);
     for (int i = 0; i < f->outputs; i++) {

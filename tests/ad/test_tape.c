@@ -142,7 +142,7 @@ START_TEST(block_is_prepared)
     const int size = ORDERS_USED * r.tape->slot_count * LANES;
     double *block = numbers((size_t)size);
     for (int i = 0; i < size; i++) block[i] = 7;
-    jet_tape_prepare_block(r.tape, block, ORDERS_USED, LANES);
+    jet_tape_write_constants(r.tape, block, ORDERS_USED, LANES);
     for (int i = 0; i < size; i++) {
         const int constant = i / LANES - r.tape->input_count;
         const bool is_constant = constant >= 0 && constant < r.tape->constant_count;
@@ -172,7 +172,7 @@ START_TEST(sweeps_write_their_own_order)
     recording r = record_outputs(f, JET_TAPE_SERIES);
     const size_t size = (size_t)((DEGREE + 1) * r.tape->slot_count);
     double *x = numbers(size), *dx = numbers(size), *before = numbers(size);
-    jet_tape_prepare_block(r.tape, x, DEGREE + 1, 1);
+    jet_tape_write_constants(r.tape, x, DEGREE + 1, 1);
     for (int k = 0; k <= DEGREE; k++)
         for (int i = 0; i < f->inputs; i++) {
             x[k * r.tape->slot_count + i] = k == 0 ? f->centre[i] : 0.1;

@@ -289,8 +289,8 @@ START_TEST(tapes)
     const double mu[] = {0.7, -1.3}, h = 1e-3, *d = of->p;
     double *values = calloc((size_t)c->values->slot_count, sizeof *values);
     double *curvature = calloc((size_t)c->curvature->slot_count, sizeof *curvature);
-    jet_tape_prepare_block(c->values, values, 1, 1);
-    jet_tape_prepare_block(c->curvature, curvature, 1, 1);
+    jet_tape_write_constants(c->values, values, 1, 1);
+    jet_tape_write_constants(c->curvature, curvature, 1, 1);
     double wanted[MOST_N + MOST_M] = {0};
     static const double weight[] = {1, -8, 0, 8, -1}; /* of differences of the fourth order, over 12 h */
     for (int k = -2; k <= 2; k++) {
