@@ -153,8 +153,9 @@ static void insert_root_by_time(tvi_event_search *search, int root_count, tvi_ev
     search->roots[i] = root;
 }
 
-/* The parameters of the last step are copied first, if an observer has set new ones before it. Roots that only the
- * curve has, and that the more accurate partial steps lack, are dropped. */
+/* Searches the last step, finishes each root, and sorts them by time. The parameters of the step are copied first, if
+ * an observer has set new ones before it. Roots that only the curve has, and that the more accurate partial steps lack,
+ * are dropped. */
 tvi_status tvi_events_find(tvi_event_search *search)
 {
     int found = 0;

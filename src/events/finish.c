@@ -32,7 +32,7 @@ static const double LEAST_DISTANCE = 4 * DBL_EPSILON, GROWTH = 16;
 
 /* Computes the state at theta by a partial step, and *g there. It becomes search->line.last, which becomes
  * search->line.before. ctx is the search. */
-static tvi_status add_state(void *ctx, double theta, double *g)
+static tvi_status add_state_by_partial_step(void *ctx, double theta, double *g)
 {
     tvi_event_search *search = ctx;
     double *x = search->line.before.x;
@@ -152,20 +152,22 @@ static tvi_status begin_line(tvi_event_search *search)
         return status == TVI_OK ? tvi_watched_evaluate(root->watched, last->x, &last->g) : status;
     }
     if (isfinite(root->slope_guess)) {
-        status = add_state(search, guess, &g);
+        status = add_state_by_partial_step(search, guess, &g);
         const double correction = -g / root->slope_guess;
         if (status == TVI_OK && is_near(search, guess + correction, guess)) {
             const double tail = search->integrator->stats.tail, apart = fmax(fabs(correction), FIRST_DISTANCE);
             const double slope_error = fmax(tail, fabs(correction) + FIRST_DISTANCE);
             if (tail > 0 && slope_error * fabs(correction) <= MOST_ERROR) return set_state_before_by_curve(search);
-            return add_state(search, guess + copysign(apart, correction), &g);
+            return add_state_by_partial_step(search, guess + copysign(apart, correction), &g);
         }
     }
     if (status == TVI_OK)
         status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 2, tvi_watched_evaluate_on_curve, root->watched);
     const double theta = bracket.g_left == 0 ? bracket.left : bracket.right;
-    if (status == TVI_OK) status = add_state(search, theta, &g);
-    return status == TVI_OK ? add_state(search, theta + (theta < 0.5 ? FIRST_DISTANCE : -FIRST_DISTANCE), &g) : status;
+    if (status == TVI_OK) status = add_state_by_partial_step(search, theta, &g);
+    return status == TVI_OK
+               ? add_state_by_partial_step(search, theta + (theta < 0.5 ? FIRST_DISTANCE : -FIRST_DISTANCE), &g)
+               : status;
 }
 
 /* Finds the root on lines, and sets root->theta and root->state. root->theta remains NAN if a line has no root, or if
@@ -185,7 +187,7 @@ static tvi_status find_root_on_lines(tvi_event_search *search, tvi_event_root *r
             compute_state_on_line(search, distance, root->state);
             return TVI_OK;
         }
-        status = add_state(search, theta, &g);
+        status = add_state_by_partial_step(search, theta, &g);
     }
     return status;
 }
@@ -194,7 +196,7 @@ static tvi_status find_root_on_lines(tvi_event_search *search, tvi_event_root *r
 static tvi_status set_root_after_partial_step(tvi_event_search *search, tvi_event_root *root, double theta)
 {
     double g;
-    const tvi_status status = add_state(search, theta, &g);
+    const tvi_status status = add_state_by_partial_step(search, theta, &g);
     root->theta = theta;
     memcpy(root->state, search->partial_step.state, (size_t)search->state_size * sizeof *root->state);
     return status;
@@ -229,5 +231,5 @@ tvi_status tvi_finish_root(tvi_event_search *search, tvi_event_root *root)
     if (root->bracket.right == 1 && root->bracket.g_right == 0) return set_root_after_partial_step(search, root, 1);
     const tvi_status status = find_root_on_lines(search, root);
     if (status != TVI_OK || !isnan(root->theta)) return status;
-    return find_root_by_partial_steps(search, root, root->bracket, 0, 1, add_state, search);
+    return find_root_by_partial_steps(search, root, root->bracket, 0, 1, add_state_by_partial_step, search);
 }

@@ -95,6 +95,7 @@ static void set_tables(void *self)
     step->rule = tvi_galerkin_make_stopping_rule(work);
     tvi_galerkin_set_form(work);
     tvi_galerkin_set_predictor(work);
+    /* The code of a system is attached by compiled/attach.c. */
     work->generated_steps =
         step->system->code && work->options->passes != TVI_PREDICT_ONLY ? step->system->code->generated_steps : NULL;
 }
@@ -254,7 +255,7 @@ static tvi_status make_single_step(void *self, double h, const tvi_step_origin *
         .h = h, .max_steps = 1, .index_of_time_in_q = -1, .last_step_increments_out = *increments};
     const bool iterates = work->step.rule.max_passes > 0;
     galerkin_outcome outcome = {.step_count = 0};
-    if (work->generated_steps) outcome = make_steps(work, true, true, &run, origin, NULL, stats);
+    if (work->generated_steps) outcome = make_steps(work, true, iterates, &run, origin, NULL, stats);
     if (outcome.step_count < 1) outcome = make_steps(work, false, iterates, &run, origin, NULL, stats);
     if (outcome.step_count < 1 && outcome.is_extrapolated)
         outcome = make_steps(work, false, false, &run, origin, NULL, stats);

@@ -1,6 +1,7 @@
 /* generated.h - Makes Galerkin steps in generated code: steps.h with the sizes, lists and rule of one system as
- * constants (emit_steps.c), so that the compiler knows the lengths of all loops. Arrays are on the stack if they are
- * short. Only generated code contains this file. */
+ * constants (emit_steps.c), so that the compiler knows the lengths of all loops. With second derivatives, arrays are
+ * on the stack if they are short (IS_LOCAL); passes by the forces alone take nothing from here but the constants. Only
+ * generated code contains this file. */
 #ifndef TVI_SRC_GALERKIN_GENERATED_H
 #define TVI_SRC_GALERKIN_GENERATED_H
 

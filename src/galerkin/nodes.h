@@ -51,7 +51,7 @@ JET_INLINE node_vec node_larger(node_vec a, node_vec b) { return JET_CHOOSE(node
  * constants, it is inlined. GALERKIN_LANES, the number of lanes of its system, is defined in generated code alone
  * (emit_steps.c), as JET_EMITTED is (ad/emit.c): each of the two means "inside generated code".
  * BY_LANES(lanes, number, call) declares the constant `lanes`, whose value is `number`, and executes the call, which
- * reads it. An instruction set with vectors of 8 nodes is used with 8 lanes alone (generating/methods.c). */
+ * reads it. An instruction set with vectors of 8 nodes is used with 8 lanes alone (method/method.c). */
 #define WITH_LANES(lanes, count, call)                                                                                 \
     {                                                                                                                  \
         enum { lanes = count };                                                                                        \
@@ -87,7 +87,8 @@ typedef struct {
     double *free_motion, *free_motion_low; /* the unknowns in a motion without forces, in two parts */
     double *impulse;                       /* the impulses L_j of the last movement, stored in the history */
     double *start;                         /* [unknown_count] the unknowns at the start of the step */
-    double *scale;        /* [unknown_count] the factor of the impulses' sum in the change of an unknown */
+    /* [unknown_count] The factor of the impulses' sum in the change of an unknown; in a separable system h / m. */
+    double *scale;
     double *inverse_size; /* [unknown_count] 1 / size of each unknown, by which movements are measured */
     double *hb;           /* [lane_count] h b_j */
     double *m_over_h;     /* [n] the momentum that moves a coordinate by 1 in the step; INFINITY without masses */
@@ -184,13 +185,15 @@ NODE_LOOP void nodes_predict(const galerkin_nodes *nodes, const galerkin_extrapo
 
 /* ---- The movement of a pass -------------------------------------------------------------------------------------- */
 
-/* Sets the impulses L_j = h b_j F_j from the rates: row slot[u] of `rates` has those of unknown u. */
-JET_INLINE void set_impulse_rows(const galerkin_nodes *given, const double *rates, const int slot[], const int lanes)
+/* Sets the impulses L_j = h b_j F_j from the rates: row rate_row[u] of `rates` has those of unknown u. */
+JET_INLINE void set_impulse_rows(const galerkin_nodes *given, const double *rates, const int rate_row[],
+                                 const int lanes)
 {
     const galerkin_nodes copy = *given, *const nodes = &copy;
     for (int u = 0; u < nodes->unknown_count; u++)
         for (int v = 0; v < lanes / NODE_VEC; v++)
-            node_store(nodes->impulse + u * lanes, v, node_load(nodes->hb, v) * node_load(rates + slot[u] * lanes, v));
+            node_store(nodes->impulse + u * lanes, v,
+                       node_load(nodes->hb, v) * node_load(rates + rate_row[u] * lanes, v));
 }
 
 /* Returns a b + c, rounded once if c is small compared with a b. Without a fused operation it uses Dekker's product. */
@@ -209,10 +212,10 @@ JET_INLINE double multiply_add_once(double a, double b, double c)
  * change below the roundoff of the rate would be lost or rounded up in the same way in each step (docs/method.md
  * section 6). */
 JET_INLINE void set_changed_impulse_rows(const galerkin_nodes *nodes, const double *rates, const double *change,
-                                         const int slot[], const int lanes)
+                                         const int rate_row[], const int lanes)
 {
     for (int u = 0; u < nodes->unknown_count; u++) {
-        const double *restrict hb = nodes->hb, *restrict rate = rates + slot[u] * lanes;
+        const double *restrict hb = nodes->hb, *restrict rate = rates + rate_row[u] * lanes;
         double *restrict L = nodes->impulse + u * lanes;
         JET_IN_VECTORS
         for (int i = 0; i < lanes; i++) L[i] = multiply_add_once(hb[i], rate[i], change[u * lanes + i]);
@@ -251,21 +254,21 @@ JET_INLINE double move_unknowns_by_impulses(const galerkin_nodes *given, double 
 }
 
 /* Sets the impulses from the rates, and moves the unknowns by them. Returns the movement. */
-NODE_LOOP double nodes_move_by_rates(const galerkin_nodes *nodes, const double *rates, const int slot[],
+NODE_LOOP double nodes_move_by_rates(const galerkin_nodes *nodes, const double *rates, const int rate_row[],
                                      double *displacement)
 {
     double movement;
-    BY_LANES(lanes, nodes->lane_count, set_impulse_rows(nodes, rates, slot, lanes);
+    BY_LANES(lanes, nodes->lane_count, set_impulse_rows(nodes, rates, rate_row, lanes);
              movement = move_unknowns_by_impulses(nodes, displacement, lanes));
     return movement;
 }
 
 /* Sets the impulses L_j = h b_j F_j + change_j, and moves the unknowns by them. Returns the movement. */
 NODE_LOOP double nodes_move_by_changed_impulses(const galerkin_nodes *nodes, const double *rates, const double *change,
-                                                const int slot[])
+                                                const int rate_row[])
 {
     double movement;
-    BY_LANES(lanes, nodes->lane_count, set_changed_impulse_rows(nodes, rates, change, slot, lanes);
+    BY_LANES(lanes, nodes->lane_count, set_changed_impulse_rows(nodes, rates, change, rate_row, lanes);
              movement = move_unknowns_by_impulses(nodes, NULL, lanes));
     return movement;
 }
@@ -297,7 +300,7 @@ JET_INLINE bool galerkin_sweep(const galerkin_field_at_nodes *field, bool with_h
     return with_hessian ? GALERKIN_HESSIAN_VALUES(field->block[true]) : GALERKIN_VALUES(field->block[false]);
 }
 
-/* Evaluates the tape for one vector of nodes after the other, if its operations are functions of their own
+/* Evaluates the tape for one vector of nodes after the other, if each of its runs is a single operation
  * (GALERKIN_IS_SPLIT): all numbers stay in registers, and the impulses alone are stored. Returns false if an operand
  * is outside its domain. */
 JET_INLINE bool galerkin_impulses_by_registers(const galerkin_nodes *nodes)

@@ -11,7 +11,8 @@ tvi_unchecked_step_limits tvi_guard_unchecked_limits(const tvi_integrator *integ
 
 /* Refuses a step whose tail or energy shows that it is too large (TVI_ETOOLARGE). step.c calls this function after the
  * stepper's step, before the increments are added to the state. step_used_series tells whether the step expanded a
- * Taylor series; its passes then contract faster. */
+ * Taylor series; its passes then contract faster. Keeps the energy at the end, if it was computed, and the largest tail
+ * and defect (tvi_stats). */
 TVI_NODISCARD tvi_status tvi_refuse_too_large_step(tvi_integrator *integrator, bool step_used_series, long passes);
 
 /* Sets it->guard.end to the state at the end of the step, without low-order parts. */

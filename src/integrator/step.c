@@ -1,6 +1,6 @@
 /* step.c - Makes steps of an integrator (tvi_step). The stepper of the method computes the increments of the state, and
  * the guard (guard.h) refuses a step that is too large. The increments of an accepted step are added to the state by
- * compensated summation (method/origin.h). */
+ * compensated summation (method/stepper.h). */
 #include "integrator/guard.h"
 #include "integrator/integrator.h"
 #include "algebra/sizes.h"
@@ -17,7 +17,7 @@ void tvi_integrator_reset(tvi_integrator *integrator)
     integrator->stats.largest_tail = integrator->stats.largest_defect = 0;
 }
 
-/* ---- The start of a run ------------------------------------------------------------------------------------------ */
+/* ---- The start of a step or a run -------------------------------------------------------------------------------- */
 
 bool tvi_integrator_state_equals(const tvi_integrator *it, double t, const double q[], const double p[])
 {
@@ -234,9 +234,10 @@ static tvi_status make_step(tvi_integrator *it, double tolerance, double h)
     if (status != TVI_OK) status = explain_stepper_failure(it, status);
     else status = check_new_state_is_finite(it);
     if (status == TVI_OK && tvi_is_rescaled(it)) status = check_time_moves_with_h(it);
+    /* The guard reads stats.tail, too, which the stepper has set. */
     if (status == TVI_OK)
         status = tvi_refuse_too_large_step(it, it->stats.expansions != expansions, it->stats.passes - passes);
-    it->last_step.covered_time = it->last_step.increments.dq[it->system->n];
+    it->last_step.covered_time = it->last_step.increments.dq[it->system->n]; /* h, or of a rescaled system dt */
     if (status != TVI_OK) {
         tvi_arena_copy_history(it->history.now, it->history.before, it->history.copied_bytes);
         return status;

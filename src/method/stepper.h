@@ -34,7 +34,7 @@ typedef struct {
  * its increments to one number. */
 typedef struct {
     /* The increments of N coordinates and of the time, dq [N + 1], and of N momenta, dp [N], and their low-order
-     * parts. */
+     * parts, of which dq_low[N] is always 0. */
     double *dq, *dp, *dq_low, *dp_low;
 } tvi_increments;
 
@@ -99,7 +99,7 @@ static inline uint64_t tvi_add_all_compensated(int count, double *restrict x, do
 
 /* The number of points at which a search for events samples a step. */
 enum { TVI_SAMPLES = 8 };
-/* The positions theta of the points: t0 + theta h is the time (integrator/inside_step.c). */
+/* The positions theta = k / 8 of the points, 1 .. 8: t0 + theta h is the time (integrator/inside_step.c). */
 extern const double tvi_sample_theta[TVI_SAMPLES];
 
 #ifndef JET_EMITTED

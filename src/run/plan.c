@@ -75,7 +75,7 @@ tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const 
                                 void *ctx)
 {
     const tvi_run_plan plan = {.h = h, .steps = steps, .events = events, .event_count = count};
-    return tvi_run_observed(it, &plan, (tvi_observers){observer, NULL, on_event, ctx}, t, q, p);
+    return tvi_run_observed(it, &plan, (tvi_observers){.at_step = observer, .on_event = on_event, .ctx = ctx}, t, q, p);
 }
 
 tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, double q[], double p[],
@@ -88,14 +88,14 @@ tvi_status tvi_integrate_to(tvi_integrator *it, double h, double t_end, double *
                             tvi_observer *observer, void *ctx)
 {
     const tvi_run_plan plan = {.h = h, .t_end = t_end, .has_t_end = true};
-    return tvi_run_observed(it, &plan, (tvi_observers){observer, NULL, NULL, ctx}, t, q, p);
+    return tvi_run_observed(it, &plan, (tvi_observers){.at_step = observer, .ctx = ctx}, t, q, p);
 }
 
 tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], int count, double *t, double q[],
                             double p[], tvi_observer *observer, void *ctx)
 {
     const tvi_run_plan plan = {.h = h, .times = count == 0 ? NULL : times, .time_count = count};
-    return tvi_run_observed(it, &plan, (tvi_observers){NULL, observer, NULL, ctx}, t, q, p);
+    return tvi_run_observed(it, &plan, (tvi_observers){.at_time = observer, .ctx = ctx}, t, q, p);
 }
 
 tvi_status tvi_integrate_tolerance_events(tvi_integrator *it, double tolerance, double t_end,
@@ -107,7 +107,7 @@ tvi_status tvi_integrate_tolerance_events(tvi_integrator *it, double tolerance, 
                                .has_t_end = true,
                                .events = events,
                                .event_count = count};
-    return tvi_run_observed(it, &plan, (tvi_observers){observer, NULL, on_event, ctx}, t, q, p);
+    return tvi_run_observed(it, &plan, (tvi_observers){.at_step = observer, .on_event = on_event, .ctx = ctx}, t, q, p);
 }
 
 tvi_status tvi_integrate_tolerance(tvi_integrator *it, double tolerance, double t_end, double *t, double q[],

@@ -356,7 +356,8 @@ tvi_status tvi_run_observed(tvi_integrator *it, const tvi_run_plan *plan, tvi_ob
     if (!it || !t || !q || !p) return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, t, q, p, 1}, "");
     const tvi_status status = tvi_plan_check(it, plan);
     if (status != TVI_OK) return status;
-    const tvi_single_run run = {plan, observers, {plan->D, plan->columns, 1, plan->columns_at_once}, 0};
+    const tvi_single_run run = {
+        .plan = plan, .observers = observers, .columns = {plan->D, plan->columns, 1, plan->columns_at_once}};
     return run_integrator(it, &run, t, q, p);
 }
 

@@ -30,7 +30,7 @@ typedef struct {
     /* The step size, the end of the run, the given times and the events, which tvi_plan_check has accepted. The
      * observers of the plan are not used here. */
     const tvi_run_plan *plan;
-    tvi_observers observers; /* the observers that the run calls instead of those of the plan */
+    tvi_observers observers; /* the observers that the run calls; those of the plan are called by wrappers (run.c) */
     /* The tangent vectors that the run's steps propagate; elements = NULL if there are none. */
     tvi_tangent_columns columns;
     long step_count_before_segment; /* the number of steps in earlier segments of an ensemble's run */
