@@ -65,13 +65,16 @@ JET_RULE(sqrt, 1, W_NONE)
 static void compute_quarter_multiple_power(int exponent_in_quarters, int width, const double *a, double *restrict z)
 {
     const int count = abs(exponent_in_quarters), rest = count % 4;
+    JET_IN_VECTORS
     for (int w = 0; w < width; w++) {
         const double root = rest ? sqrt(a[w]) : 1;
         z[w] = rest % 2 == 0 ? root : rest == 1 ? sqrt(root) : root * sqrt(root);
     }
     for (int i = 0; i < count / 4; i++)
+        JET_IN_VECTORS
         for (int w = 0; w < width; w++) z[w] *= a[w];
-    for (int w = 0; w < width && exponent_in_quarters < 0; w++) z[w] = 1 / z[w];
+    JET_IN_VECTORS
+    for (int w = 0; w < (exponent_in_quarters < 0 ? width : 0); w++) z[w] = 1 / z[w];
 }
 
 static bool are_all_positive(int width, const double *a)
@@ -85,6 +88,7 @@ static bool are_all_positive(int width, const double *a)
 static bool are_all_nonzero(int width, const double *a)
 {
     int outside = 0;
+    JET_IN_VECTORS
     for (int w = 0; w < width; w++) outside |= a[w] == 0;
     return !outside;
 }
