@@ -70,9 +70,10 @@ static void compute_quarter_multiple_power(int exponent_in_quarters, int width, 
         const double root = rest ? sqrt(a[w]) : 1;
         z[w] = rest % 2 == 0 ? root : rest == 1 ? sqrt(root) : root * sqrt(root);
     }
-    for (int i = 0; i < count / 4; i++)
+    for (int i = 0; i < count / 4; i++) {
         JET_IN_VECTORS
         for (int w = 0; w < width; w++) z[w] *= a[w];
+    }
     JET_IN_VECTORS
     for (int w = 0; w < (exponent_in_quarters < 0 ? width : 0); w++) z[w] = 1 / z[w];
 }

@@ -146,11 +146,11 @@ typedef void tvi_constraint_fn(const jet q[], jet t, jet value[], void *ctx);
  * what it was (M v), and so does tvi_energy, which is kept if phi does not depend on t. 0 < m < n; each phi_k may have
  * a unit of its own, and is best written in differences of coordinates. A parameter has the same value in phi as in the
  * system. A run begins at a state that is on the constraints to half of its digits, and puts it onto them to roundoff;
- * another state is refused with TVI_EINVAL, and tvi_project moves it. It shares nothing with the system. Tangent maps
- * are of "galerkin", and of potentials and forces with constant masses; their first step puts the columns onto the
- * constraints. Rescaled steps and compiled code do not serve it yet.
+ * another state is refused with TVI_EINVAL, and tvi_project moves it. It shares nothing with the system. The first step
+ * of a tangent map puts the columns onto the constraints. Rescaled steps do not serve it; compiled code has its tapes,
+ * and no steps.
  *   TVI_EINVAL        m < 1 or m >= n, a phi_k that is a number or a function of t alone, an output left unset, NULL
- *   TVI_EUNSUPPORTED  a rescaled system, one that is constrained already
+ *   TVI_EUNSUPPORTED  a rescaled system, a tangent system, one that is constrained already
  *   others            as of tvi_system_hamiltonian
  * *out is NULL on failure. */
 TVI_NODISCARD tvi_status tvi_system_constrained(tvi_system **out, const tvi_system *system, int m,

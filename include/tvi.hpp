@@ -453,14 +453,16 @@ class constrained : public system
     }
 };
 
-/* The tangent system (tvi_gradient.h), for second derivatives. */
+/* The tangent system (tvi_gradient.h), for second derivatives; rates are those of the parameters, or none. */
 class tangent : public system
 {
   public:
-    explicit tangent(const system &base)
+    explicit tangent(const system &base, const std::vector<double> &rates = {})
     {
+        const auto count = static_cast<std::size_t>(tvi_system_parameters(base.get()));
+        const double *const given = rates.empty() ? nullptr : detail::data_of("rates", count, rates);
         detail::no_observer none;
-        own(none, [&](tvi_system **out, void *) { return tvi_system_tangent(out, base.get()); });
+        own(none, [&](tvi_system **out, void *) { return tvi_system_tangent(out, base.get(), given); });
     }
 };
 

@@ -68,15 +68,16 @@ TVI_NODISCARD tvi_status tvi_gradient(tvi_record *record, const tvi_loss *loss, 
                                       double by_parameters[]);
 
 /* Creates the tangent system, which moves a state and a tangent vector of it: coordinates (q, dq), momenta (p, dp), of
- * a Lagrangian that is not separable (dp, p), and parameters (c, dc), of which dc is recorded as 0. Its steps of
- * "galerkin" move the vector by the derivatives of the steps. A gradient of its runs therefore gives second derivatives
- * times a vector: that of m = l_x.dx by the state at the start is l'' times the vector, where l is a loss with the
- * derivatives l_x by what was told. To tvi_gradient m has the derivative l_x by dx, and l_xx dx by x. It has no energy,
- * and shares nothing with the system.
- *   TVI_EINVAL       NULL
- *   TVI_EUNSUPPORTED rescaled and constrained systems
+ * a Lagrangian that is not separable (dp, p), and parameters (c, dc), of which dc is recorded as rates [parameters], or
+ * as 0 for NULL. Its steps of "galerkin", and of "stormer-verlet" and "taylor" where it is separable, move the vector
+ * by the derivatives of the steps. A gradient of its runs therefore gives second derivatives times a vector: that of m
+ * = l_x.dx by the state at the start is l'' times the vector, where l is a loss with the derivatives l_x by what was
+ * told. To tvi_gradient m has the derivative l_x by dx, and l_xx dx by x. It has no energy, and shares nothing with the
+ * system.
+ *   TVI_EINVAL       NULL, rates that are not finite, n above TVI_MAX_DIMENSION / 2
+ *   TVI_EUNSUPPORTED rescaled and constrained systems; and of it no system is made but its tangent system
  *   TVI_ENOMEM       no memory */
-TVI_NODISCARD tvi_status tvi_system_tangent(tvi_system **out, const tvi_system *system);
+TVI_NODISCARD tvi_status tvi_system_tangent(tvi_system **out, const tvi_system *system, const double rates[]);
 
 #ifdef __cplusplus
 }

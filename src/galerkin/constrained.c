@@ -211,6 +211,25 @@ static bool may_end(const tvi_convergence_test *test, const tvi_stopping_rule *r
            least * test->size_without_roundoff <= rule->correction_goal;
 }
 
+/* Gives the components of a lift's tangent vector the sizes of what their roundoff is of: that of a coordinate has the
+ * roundoff of the coordinate, and a momentum what moves coordinates by their roundoff in the step. The column was
+ * scaled to the size of the state (integrator/tangent.c), but some of its components may be small, or all of a
+ * parameter that moves nothing. */
+static void raise_sizes_of_vector(const constrained_work *work)
+{
+    const galerkin_nodes *nodes = &work->galerkin->step.nodes;
+    const int n = nodes->n;
+    double *const inverse = nodes->inverse_size, least = inverse[0];
+    for (int i = 0; i < n / 2; i++) {
+        least = tvi_smaller(least, inverse[i]);
+        inverse[n / 2 + i] = tvi_smaller(inverse[n / 2 + i], inverse[i]);
+    }
+    for (int j = n; j < nodes->unknown_count; j++) {
+        const double moves = tvi_largest_magnitude(n, work->nodes.hW + j - n, n);
+        inverse[j] = tvi_smaller(inverse[j], moves * least);
+    }
+}
+
 static tvi_status make_passes(constrained_work *work, galerkin_convergence *convergence, double *movement,
                               galerkin_counts *counts)
 {
@@ -232,6 +251,8 @@ static tvi_status make_passes(constrained_work *work, galerkin_convergence *conv
         if (verdict == TVI_PASSES_MAY_END && may_end(&test, rule)) return TVI_OK;
         if (verdict == TVI_PASSES_STUCK && *movement <= roundoff && ++stuck == CONSTRAINT_ROUNDOFF_PASSES)
             return TVI_OK;
+        if (verdict == TVI_PASSES_STUCK && *movement > roundoff && work->nodes.constraints->is_lift)
+            raise_sizes_of_vector(work);
         if (*movement > 1) set_sizes(work);
     }
     return TVI_ENOCONV;

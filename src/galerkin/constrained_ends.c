@@ -176,13 +176,9 @@ tvi_status tvi_constrained_predict(constrained_work *work, const tvi_step_origin
     galerkin_set_free_motion(step, origin);
     memcpy(work->low_without_impulses, step->nodes.free_motion_low, unknown_bytes);
     set_free_positions(work, origin);
-    if (equal_step_count == 0) {
-        /* Those of a lift, whose S differs, begin at 0. */
-        memset(work->lambda, 0, (size_t)at->count * sizeof *work->lambda);
-        if (!at->constraints->is_lift)
-            status = tvi_constraint_multipliers(&work->one, origin->t, origin->q, origin->p, work->lambda);
-        if (status != TVI_OK) return status;
-    }
+    if (equal_step_count == 0)
+        status = tvi_constraint_multipliers(&work->one, origin->t, origin->q, origin->p, work->lambda);
+    if (status != TVI_OK) return status;
     predict_multipliers(work, equal_step_count, (int)galerkin->predictor.history->ring_index);
     for (int e = 0; e < entries; e++)
         for (int lane = 0; lane < lanes; lane++) at->G.sources[e * lanes + lane] = at->G.start[e];

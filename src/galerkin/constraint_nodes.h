@@ -126,16 +126,14 @@ JET_INLINE void constraint_add_G(const constraint_nodes *at, const double *G, co
             lanes_add_product(out + k * lanes, G + e * lanes, x + c->column[e] * lanes, 1, lanes);
 }
 
-/* row += W g, where g is an entry of G in column j. In a lift it is the same for both halves: dv/dp of the state. Where
- * W has all columns, those of (dp, p), it stands beside 0. */
+/* row += W g, where g is an entry of G in column j (tvi_constraint_W_column). */
 JET_INLINE void constraint_add_W_column(const constraint_nodes *at, int j, const double *g, double *row,
                                         const int lanes)
 {
-    const bool is_lift = at->constraints->is_lift;
-    const int n = at->n, half = is_lift ? n / 2 : n, first = j / half * half, of = is_lift ? (j + half) % n : j;
+    const tvi_W_column of = tvi_constraint_W_column(at->constraints, at->n, j);
     if (at->has_masses) lanes_add_multiple(row + j * lanes, at->W[j], g, lanes);
-    for (int i = first; i < (at->has_masses ? 0 : first + half); i++)
-        lanes_add_multiple(row + i * lanes, at->W[i * n + of], g, lanes);
+    for (int i = of.first; i < (at->has_masses ? 0 : of.end); i++)
+        lanes_add_multiple(row + i * lanes, at->W[i * at->n + of.column], g, lanes);
 }
 
 /* Sets S = G W G^T, and for a lift S of both halves without what ties them (tvi_constraint_ties_halves). */

@@ -140,14 +140,21 @@ tvi_status tvi_integrator_allocate_tangents(tvi_integrator *it, int column_count
 
 /* Returns the exponent of the power of two that scales a column to the size of the state. The norm of the lifted step's
  * corrector then gives the state and the column the same weight. M is linear and powers of two are exact, so the scale
- * does not change the result. */
-static int find_tangent_scaling_exponent(int n, const double q[], const double p[], const double column[])
+ * does not change the result. On constraints the components that belong to parameters count, too, relative to these: a
+ * column of a parameter that moves nothing has the roundoff of phi_c, which must not become as large as the state. */
+static int find_tangent_scaling_exponent(const tvi_integrator *it, const differentiated_step *step,
+                                         const double column[])
 {
-    const double size_q = tvi_largest_magnitude(n, q, 1), size_p = tvi_largest_magnitude(n, p, 1);
+    const int n = it->stepped->n, parameters = it->system->constraints ? tvi_system_parameters(it->system) : 0;
+    const double size_q = tvi_largest_magnitude(n, step->start->q, 1),
+                 size_p = tvi_largest_magnitude(n, step->start->p, 1);
     const double of_q = tvi_largest_magnitude(n, column, 1) / (size_q > 0 ? size_q : 1);
     const double of_p = tvi_largest_magnitude(n, column + n, 1) / (size_p > 0 ? size_p : 1);
+    double largest = fmax(of_q, of_p);
     int exponent = 0;
-    if (isfinite(of_q) && isfinite(of_p)) (void)frexp(fmax(of_q, of_p), &exponent);
+    for (int i = 0; i < parameters; i++)
+        largest = fmax(largest, fabs(column[2 * n + i]) / fmax(fabs(step->parameters[i]), 1));
+    if (isfinite(of_q) && isfinite(of_p)) (void)frexp(largest, &exponent);
     return exponent;
 }
 
@@ -214,7 +221,7 @@ static tvi_status multiply_column_at_fixed_s(const tvi_integrator *it, const dif
     double *dq = tangent->lifted_q + n, *dp = tangent->lifted_p + (tangent->are_momenta_swapped ? 0 : n),
            *column = tangent->column;
     double t = step->start->q[n];
-    const int exponent = find_tangent_scaling_exponent(n, step->start->q, step->start->p, column);
+    const int exponent = find_tangent_scaling_exponent(it, step, column);
     set_state_and_scaled_tangent(it, step, exponent);
     tvi_integrator_reset(tangent->lifted_integrator);
     tvi_status status = set_lifted_parameters(it, step, exponent);

@@ -111,7 +111,9 @@ static const char *find_why_unsupported(const tvi_descriptor *descriptor, const 
         return forms & TVI_SUPPORTS_DRIVEN ? NULL
                                            : "a driven system has no generating function: take galerkin or taylor";
     if (system->form == TVI_FIELD)
-        return forms & TVI_SUPPORTS_FIELD ? NULL : "the reversible form of a rescaled system is for galerkin";
+        return forms & TVI_SUPPORTS_FIELD  ? NULL
+               : system->record.is_tangent ? "the tangent system of a Hamiltonian or a driven system is for galerkin"
+                                           : "the reversible form of a rescaled system is for galerkin";
     const int form = system->form == TVI_SEPARABLE    ? TVI_SUPPORTS_SEPARABLE
                      : system->form == TVI_LAGRANGIAN ? TVI_SUPPORTS_LAGRANGIAN
                      : system->is_regular             ? TVI_SUPPORTS_REGULAR

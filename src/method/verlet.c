@@ -168,7 +168,7 @@ static tvi_status find_start_impulse(verlet_work *w, double h, const tvi_step_or
         const double moved = set_end(w, h, origin);
         if (!isfinite(moved)) return TVI_ENONFINITE;
         if (pass > 0 && (moved <= DBL_EPSILON || (before < 0x1p-26 && moved >= before / 2))) return TVI_OK;
-        before = moved;
+        if (pass > 0) before = moved; /* the first pass moves from the step before */
         const tvi_status status = tvi_constraint_phi(&w->at, origin->t + (origin->t_low + h), w->q, w->residual);
         if (status != TVI_OK) return status;
         stats->passes++;

@@ -246,6 +246,7 @@ static tvi_status check_statement(const tvi_system *system, int m, tvi_constrain
         return jet_refuse(TVI_EUNSUPPORTED, "the system is rescaled: constraints are for fixed steps in t");
     if (system->constraints)
         return jet_refuse(TVI_EUNSUPPORTED, "the system is constrained already: give all constraints in one");
+    if (system->record.is_tangent) return jet_refuse(TVI_EUNSUPPORTED, "a tangent system is not constrained");
     if (m < 1) return jet_refuse(TVI_EINVAL, "m = %d: there is no constraint", m);
     if (m > system->n)
         return jet_refuse(TVI_EINVAL, "m = %d constraints are more than n = %d coordinates", m, system->n);

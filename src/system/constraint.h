@@ -48,6 +48,18 @@ static inline bool tvi_constraint_ties_halves(const tvi_constraints *c, int n, i
     return c->is_lift && 2 * row >= c->count && 2 * column < n;
 }
 
+/* What a force along coordinate j moves in S, where W has all n columns: the rows first .. end - 1 of this column, all
+ * of column j. In a lift they are those of the half of j, and dv/dp of the state stands there in the columns of the
+ * other half, since momenta are (dp, p). */
+typedef struct {
+    int column, first, end;
+} tvi_W_column;
+static inline tvi_W_column tvi_constraint_W_column(const tvi_constraints *c, int n, int j)
+{
+    const int half = n / 2, first = j < half ? 0 : half;
+    return c->is_lift ? (tvi_W_column){(j + half) % n, first, first + half} : (tvi_W_column){j, 0, n};
+}
+
 void tvi_constraints_free(tvi_constraints *constraints);
 
 /* Creates the constraints of a lift, whose coordinates are (q, dq), from those of the system that is lifted. */

@@ -22,7 +22,7 @@ tvi_status tvi_apply_legendre_transform(const tvi_system *system, const double p
     if (status != TVI_OK) return jet_explain_out_of_memory(status);
     double *result = calloc((size_t)n, sizeof *result);
     if (!result) status = TVI_ENOMEM;
-    else if (to_momenta == (system->form != TVI_HAMILTONIAN))
+    else if (to_momenta == (system->form != TVI_HAMILTONIAN && system->form != TVI_FIELD))
         status = tvi_legendre_evaluate(&legendre, t, q, input, result);
     else status = tvi_legendre_solve(&legendre, t, q, input, result);
     if (status == TVI_OK && !tvi_all_finite(n, result)) status = TVI_ENONFINITE;
@@ -139,6 +139,7 @@ tvi_status tvi_energy_with_parameters(const tvi_system *system, const double par
     if (!system || !q || !p || !H)
         return tvi_refuse_first_null_pointer(4, (const void *const[]){system, q, p, H},
                                              (const char *const[]){"system", "q", "p", "H"});
+    if (system->record.is_tangent) return jet_refuse(TVI_EUNSUPPORTED, "a tangent system has no energy");
     if (!system->energy.tape) return jet_refuse(TVI_EUNSUPPORTED, "a system made from a force has no energy");
     if (!isfinite(t) || !tvi_all_finite(system->n, q) || !tvi_all_finite(system->n, p))
         return tvi_refuse_nonfinite_state(system->n, t, q, "p", p);

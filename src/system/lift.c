@@ -5,6 +5,7 @@
 #include "system/refuse.h"
 #include "tvi_gradient.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* For each input i of the base (the system that is lifted), sets the jet of the lift's graph that stands for the input,
@@ -46,10 +47,12 @@ static void set_lift_field(system_recording *recording, const tvi_system *base, 
 }
 
 /* Records the lift's own parameters, the components of the tangent vector that belong to the base's parameters. */
-static void record_lift_parameter_directions(const system_recording *recording, int parameter_count, jet direction[])
+static void record_lift_parameter_directions(const system_recording *recording, const double rates[],
+                                             int parameter_count, jet direction[])
 {
     for (int i = 0; i < parameter_count; i++)
-        direction[i] = jet_graph_record_parameter(recording->system->record.graph, parameter_count + i, 0);
+        direction[i] =
+            jet_graph_record_parameter(recording->system->record.graph, parameter_count + i, rates ? rates[i] : 0);
 }
 
 static tvi_status record_lift(system_recording *recording, const system_statement *statement)
@@ -68,7 +71,7 @@ static tvi_status record_lift(system_recording *recording, const system_statemen
     jet *input = jets, *direction = input + inputs, *value = direction + inputs, *rate = value + outputs;
     jet *parameter_direction = rate + outputs;
     set_lift_inputs(recording, base, input, direction);
-    record_lift_parameter_directions(recording, parameters, parameter_direction);
+    record_lift_parameter_directions(recording, statement->parameter_rates, parameters, parameter_direction);
     bool lifted = jet_record_forward_derivatives(base->record.graph, graph, input, direction, parameter_direction,
                                                  base->input_count, base->record.field, value, rate);
     if (lifted) set_lift_field(recording, base, value, rate);
@@ -85,11 +88,13 @@ static tvi_status record_lift(system_recording *recording, const system_statemen
                                             : TVI_OK;
 }
 
-tvi_status tvi_system_create_lift(tvi_system **out, const tvi_system *system, tvi_lift lift)
+static tvi_status create_lift(tvi_system **out, const tvi_system *system, tvi_lift lift, const double rates[])
 {
     const bool is_paired = system->form != TVI_SEPARABLE || lift == TVI_LIFT_PAIRED;
     tvi_status status = tvi_system_record(
-        out, 2 * system->n, &(system_statement){.record = record_lift, .base = system, .has_velocities = is_paired});
+        out, 2 * system->n,
+        &(system_statement){
+            .record = record_lift, .base = system, .has_velocities = is_paired, .parameter_rates = rates});
     if (status != TVI_OK || !system->constraints) return status;
     status = tvi_constraints_create_lift(&(*out)->constraints, system, !is_paired);
     (*out)->subsystems.count = (*out)->tail.subsystems.count = 1;
@@ -99,13 +104,21 @@ tvi_status tvi_system_create_lift(tvi_system **out, const tvi_system *system, tv
     return jet_explain_out_of_memory(status);
 }
 
+tvi_status tvi_system_create_lift(tvi_system **out, const tvi_system *system, tvi_lift lift)
+{
+    return create_lift(out, system, lift, NULL);
+}
+
 /* ---- Several tangent vectors ------------------------------------------------------------------------------------- */
 
 /* Records the derivative of the base's field along column c, whose components are those of coordinate (1 + c) n on and
  * whose parameters are those from (1 + c) P on; for the first column also the field itself. The column moves the
  * parameters i with moves[i] alone. The jets are scratch. */
-static bool record_column(system_recording *recording, const tvi_system *base, int c, const bool moves[], jet jets[])
+static bool record_column(system_recording *recording, const system_statement *statement, int c, const bool moves[],
+                          jet jets[])
 {
+    const tvi_system *base = statement->base;
+    const double *rates = c == 0 ? statement->parameter_rates : NULL;
     const int n = base->n, N = recording->system->n, P = tvi_system_parameters(base);
     const int inputs = jet_graph_input_count(base->record.graph), outputs = base->input_count;
     const int time = inputs == n + 1 ? n : 2 * n, first = (1 + c) * n;
@@ -120,8 +133,9 @@ static bool record_column(system_recording *recording, const tvi_system *base, i
     input[time] = recording->t;
     direction[time] = jet_const(0);
     for (int i = 0; i < P; i++)
-        parameter_direction[i] =
-            moves[i] ? jet_graph_record_parameter(recording->system->record.graph, (1 + c) * P + i, 0) : jet_const(0);
+        parameter_direction[i] = moves[i] ? jet_graph_record_parameter(recording->system->record.graph, (1 + c) * P + i,
+                                                                       rates ? rates[i] : 0)
+                                          : jet_const(0);
     if (!jet_record_forward_derivatives(base->record.graph, recording->system->record.graph, input, direction,
                                         parameter_direction, outputs, base->record.field, value, rate))
         return false;
@@ -146,7 +160,7 @@ static tvi_status record_columns(system_recording *recording, const system_state
     jet *jets = malloc((2 * (inputs + outputs) + (size_t)parameters) * sizeof *jets);
     bool recorded = jets != NULL;
     for (int c = 0; c < system->n / base->n - 1 && recorded; c++)
-        recorded = record_column(recording, base, c, moves + c * parameters, jets);
+        recorded = record_column(recording, statement, c, moves + c * parameters, jets);
     free(jets);
     return recorded ? TVI_OK : TVI_ENOMEM;
 }
@@ -164,12 +178,14 @@ static void set_subsystems_of_copies(tvi_subsystems *subsystems, const tvi_subsy
     }
 }
 
-tvi_status tvi_system_create_columns_lift(tvi_system **out, const tvi_system *system, int columns, const bool moves[])
+static tvi_status create_columns_lift(tvi_system **out, const tvi_system *system, int columns, const bool moves[],
+                                      const double rates[])
 {
     const system_statement statement = {.record = record_columns,
                                         .base = system,
                                         .ctx = (void *)moves,
-                                        .has_velocities = system->form != TVI_SEPARABLE};
+                                        .has_velocities = system->form != TVI_SEPARABLE,
+                                        .parameter_rates = rates};
     const tvi_status status = tvi_system_record(out, (1 + columns) * system->n, &statement);
     if (status != TVI_OK) return status;
     set_subsystems_of_copies(&(*out)->subsystems, &system->subsystems, system->n, 1 + columns);
@@ -177,22 +193,43 @@ tvi_status tvi_system_create_columns_lift(tvi_system **out, const tvi_system *sy
     return TVI_OK;
 }
 
+tvi_status tvi_system_create_columns_lift(tvi_system **out, const tvi_system *system, int columns, const bool moves[])
+{
+    return create_columns_lift(out, system, columns, moves, NULL);
+}
+
 /* ---- A tangent vector as part of a system ------------------------------------------------------------------------ */
 
-tvi_status tvi_system_tangent(tvi_system **out, const tvi_system *system)
+static tvi_status check_tangent(const tvi_system *system, const double rates[])
+{
+    const char *const unsupported = system->stepped_system != system
+                                        ? "a rescaled system has no tangent system: make that of the system in t"
+                                    : system->constraints ? "a constrained system has no tangent system"
+                                                          : NULL;
+    if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
+    if (2 * system->n > TVI_MAX_DIMENSION)
+        return jet_refuse(TVI_EINVAL, "the tangent system has n = %d, above %d", 2 * system->n, TVI_MAX_DIMENSION);
+    for (int i = 0; i < (rates ? tvi_system_parameters(system) : 0); i++)
+        if (!isfinite(rates[i])) return jet_refuse(TVI_EINVAL, "rates[%d] = %g", i, rates[i]);
+    return TVI_OK;
+}
+
+tvi_status tvi_system_tangent(tvi_system **out, const tvi_system *system, const double rates[])
 {
     if (!out) return jet_refuse(TVI_EINVAL, "out is NULL");
     *out = NULL;
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
-    if (system->stepped_system != system)
-        return jet_refuse(TVI_EUNSUPPORTED, "a rescaled system has no tangent system: make that of the system in t");
-    if (system->constraints) return jet_refuse(TVI_EUNSUPPORTED, "a constrained system has no tangent system");
-    if (system->form == TVI_LAGRANGIAN) return tvi_system_create_lift(out, system, TVI_LIFT_PAIRED);
+    tvi_status status = check_tangent(system, rates);
+    if (status != TVI_OK) return status;
     const size_t parameters = (size_t)tvi_system_parameters(system);
     bool *moves = malloc((parameters + 1) * sizeof *moves);
     if (!moves) return jet_explain_out_of_memory(TVI_ENOMEM);
     for (size_t i = 0; i < parameters; i++) moves[i] = true;
-    const tvi_status status = tvi_system_create_columns_lift(out, system, 1, moves);
+    if (system->form == TVI_LAGRANGIAN) {
+        status = create_lift(out, system, TVI_LIFT_PAIRED, rates);
+        if (status == TVI_OK) (*out)->is_driven = system->is_driven;
+    } else status = create_columns_lift(out, system, 1, moves, rates);
     free(moves);
+    if (status == TVI_OK) (*out)->record.is_tangent = true;
     return jet_explain_out_of_memory(status);
 }

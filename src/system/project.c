@@ -230,10 +230,12 @@ static void compute_S(tvi_constraint_work *work)
     for (size_t k = 0; k < m; k++) {
         memset(row, 0, n * sizeof *row);
         for (int e = constraint_row_begin(constraints, (int)k); e < constraints->row_end[k]; e++) {
-            const size_t j = (size_t)constraints->column[e];
-            if (tvi_constraint_ties_halves(constraints, (int)n, (int)k, (int)j)) continue;
+            const int j = constraints->column[e];
+            const tvi_W_column of = tvi_constraint_W_column(constraints, (int)n, j);
+            if (tvi_constraint_ties_halves(constraints, (int)n, (int)k, j)) continue;
             if (is_diagonal) row[j] = entry_of_G(work, e) * work->W[j];
-            for (size_t i = 0; i < (is_diagonal ? 0 : n); i++) row[i] += entry_of_G(work, e) * work->W[i * n + j];
+            for (int i = of.first; i < (is_diagonal ? 0 : of.end); i++)
+                row[i] += entry_of_G(work, e) * work->W[(size_t)i * n + (size_t)of.column];
         }
         for (size_t l = 0; l <= k; l++) work->S[k * m + l] = multiply_row_of_G(work, (int)l, row);
     }

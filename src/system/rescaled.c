@@ -306,6 +306,7 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     const char *const unsupported =
         system->stepped_system != system ? "the system is rescaled already"
         : system->constraints            ? THE_CONSTRAINED
+        : system->record.is_tangent      ? "a tangent system is not rescaled"
         : !system->energy.tape ? "a force has no Hamiltonian: state the potential, or take " THE_REVERSIBLE_FORM
         : system->is_driven
             ? "a driven system has no Hamiltonian flow: take fixed steps, or a tolerance, or " THE_REVERSIBLE_FORM
@@ -338,6 +339,7 @@ tvi_status tvi_system_rescaled_reversible(tvi_system **out, const tvi_system *sy
     const char *const unsupported =
         system->stepped_system != system ? "the system is rescaled already"
         : system->constraints            ? THE_CONSTRAINED
+        : system->record.is_tangent      ? "a tangent system is not rescaled"
         : has_coupled_velocities(system) && (system->n > MOST_COUPLED_VELOCITIES || !are_momenta_linear(system))
             ? "the momenta are not linear in the velocities, or there are more than eight: "
               "state the Hamiltonian instead of the Lagrangian"

@@ -348,12 +348,13 @@ tvi_status tvi_system_driven(tvi_system **out, const tvi_system *system, tvi_dri
     if (!out) return jet_refuse(TVI_EINVAL, "out is NULL");
     *out = NULL;
     if (!system || !drive) return jet_refuse(TVI_EINVAL, "%s is NULL", system ? "drive" : "system");
-    const char *const unsupported = !system->energy.tape               ? "a force has no energy: state the potential"
-                                    : system->stepped_system != system ? "the system is rescaled"
-                                    : system->constraints
-                                        ? "the system is constrained: drive it first, and then constrain it"
-                                    : system->is_driven ? "the system is driven already: add the forces in one"
-                                                        : NULL;
+    const char *const unsupported =
+        system->record.is_tangent          ? "a tangent system is not driven: drive the system it is of"
+        : !system->energy.tape             ? "a force has no energy: state the potential"
+        : system->stepped_system != system ? "the system is rescaled"
+        : system->constraints              ? "the system is constrained: drive it first, and then constrain it"
+        : system->is_driven                ? "the system is driven already: add the forces in one"
+                                           : NULL;
     if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
     system_statement statement = {.ctx = (void *)system, .drive = drive, .drive_ctx = ctx};
     if (system->form == TVI_LAGRANGIAN) statement.lagrangian = tvi_record_user_lagrangian;

@@ -25,6 +25,9 @@ struct system_statement {
     tvi_status (*record)(system_recording *recording, const system_statement *statement);
     const tvi_system *base;
     bool has_velocities; /* The field that `record` makes depends on velocities or momenta, too. */
+    /* [parameters] The recorded values of a lift's own parameters, which belong to the first tangent vector; NULL: 0.
+     */
+    const double *parameter_rates;
     tvi_drive_fn *drive; /* The forces of a driven Hamiltonian or Lagrangian; NULL: there are none. */
     void *drive_ctx;
 };

@@ -65,6 +65,7 @@ struct tvi_system {
         jet_graph *graph;
         jet *field;        /* [inputs] The outputs of the field in the graph. */
         jet user_function; /* The user's V, L or H; unset for a force, and for a lift unless it is a Hamiltonian. */
+        bool is_tangent;   /* tvi_system_tangent has recorded it: no other system is made of it. */
         struct tvi_adjoint *adjoint; /* The adjoint system, if a gradient has asked for it (adjoint.h). */
     } record;
     jet_tape *field_series; /* Computes the Taylor series of the field. */

@@ -246,6 +246,77 @@ START_TEST(tangent_maps_of_rattle)
 }
 END_TEST
 
+/* ---- Columns of parameters of constraints ------------------------------------------------------------------------ */
+
+enum { LENGTH, UNIT };
+
+/* c (q.q - l^2) / 2: the motion depends on the length l, and not on the unit c. */
+static void rod_with_parameters(const jet q[], jet t, jet value[], void *ctx)
+{
+    (void)ctx;
+    const jet l = jet_parameter(t, LENGTH, 1.25), c = jet_parameter(t, UNIT, 3);
+    value[0] = jet_mul(c, jet_mul(0.5, jet_sub(jet_dot(q, q, 2), jet_sqr(l))));
+}
+
+/* The column of a parameter after so many steps of the size h. */
+static void run_column(const problem *of, const tvi_options *options, int parameter, double h, long steps, double D[])
+{
+    tvi_system *base = base_of(of), *system;
+    tvi_integrator *integrator;
+    double t = of->t, q[] = {0.75, -1}, p[] = {0.4, 0.3};
+    memset(D, 0, 6 * sizeof *D);
+    D[4 + parameter] = 1;
+    ck_assert_int_eq(tvi_system_constrained(&system, base, 1, rod_with_parameters, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_project(system, t, q, p), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&integrator, system, options), TVI_OK);
+    for (long step = 0; step < steps; step++)
+        ck_assert_msg(tvi_step_tangent(integrator, h, &t, q, p, D, 1) == TVI_OK, "%s, %ld steps: %s", of->name, steps,
+                      tvi_last_error());
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+    tvi_system_free(base);
+}
+
+/* However small the steps are, the columns are made, and are the same: roundoff, of which that of impulses is 1/h times
+ * as large, is not taken for passes that do not converge, nor a column that is 0 made large. */
+static void columns_of_parameters(const problem *of, const char *method, int order, double bound)
+{
+    const tvi_options options = options_of(method, order);
+    double accurate[6], D[6];
+    const tvi_options best = options_of("galerkin", 16);
+    run_column(of, &best, LENGTH, 0.1 / 8, 8, accurate);
+    for (long steps = 2; steps <= 2048; steps *= 8) {
+        run_column(of, &options, UNIT, 0.1 / (double)steps, steps, D);
+        for (int i = 0; i < 4; i++) ck_assert_double_le(fabs(D[i]), 1e-13 * sqrt((double)steps));
+        run_column(of, &options, LENGTH, 0.1 / (double)steps, steps, D);
+        for (int i = 0; i < 4; i++)
+            ck_assert_msg(fabs(D[i] - accurate[i]) <= bound * pow((double)steps, -order) + 1e-13 * (double)steps,
+                          "%s: %.3g", of->name, D[i] - accurate[i]);
+    }
+}
+
+/* The problems whose rod has one end at rest. */
+static const int rods[] = {PENDULUM, OF_A_FORCE, BENT, 4, 5, 9, 10};
+enum { RODS = sizeof rods / sizeof *rods };
+
+START_TEST(columns_of_lengths)
+{
+    static const int of[] = {4, 8, 16, 20};
+    columns_of_parameters(&problems[rods[_i / 4]], "galerkin", of[_i % 4], 10);
+}
+END_TEST
+
+/* From steps of 4e-5 on the first pass, which begins at the step before, moves the places by less than 2^-26. */
+START_TEST(columns_of_lengths_by_rattle)
+{
+    const tvi_options options = options_of("stormer-verlet", 2);
+    double D[6];
+    columns_of_parameters(&problems[rods[_i]], "stormer-verlet", 2, 10);
+    run_column(&problems[rods[_i]], &options, UNIT, 2e-5, 50, D);
+    for (int i = 0; i < 4; i++) ck_assert_double_le(fabs(D[i]), 1e-13);
+}
+END_TEST
+
 /* ---- A molecule that is free ------------------------------------------------------------------------------------- */
 
 static jet spring(const jet q[], jet t, void *ctx)
@@ -306,6 +377,8 @@ Suite *suite_steps(void)
     tcase_add_test(tcase, momenta_are_kept);
     tcase_add_loop_test(tcase, tangent_maps, 0, problem_count);
     tcase_add_loop_test(tcase, tangent_maps_of_rattle, 0, problem_count);
+    tcase_add_loop_test(tcase, columns_of_lengths, 0, 4 * RODS);
+    tcase_add_loop_test(tcase, columns_of_lengths_by_rattle, 0, 2);
     suite_add_tcase(suite, tcase);
     return suite;
 }

@@ -2,7 +2,7 @@
 #include "gradient.h"
 
 #include "problems/refusals.h"
-#include "system/system.h"
+#include "system/energy.h"
 #include "tvi_gradient.h"
 #include "tvi_runs.h"
 
@@ -45,7 +45,7 @@ static void open_run(second_run *run, int which)
     run->parameters = tvi_system_parameters(run->system);
     tvi_system_recorded_parameters(run->system, run->c);
     run->is_lagrangian = run->system->form == TVI_LAGRANGIAN;
-    ck_assert_int_eq(tvi_system_tangent(&run->tangent, run->system), TVI_OK);
+    ck_assert_int_eq(tvi_system_tangent(&run->tangent, run->system, NULL), TVI_OK);
     ck_assert_int_eq(tvi_system_parameters(run->tangent), 2 * run->parameters);
     ck_assert_int_eq(tvi_options_named("galerkin", 16, &options), TVI_OK);
     ck_assert_int_eq(tvi_integrator_create(&run->it, run->tangent, &options), TVI_OK);
@@ -160,15 +160,102 @@ START_TEST(symmetric_and_as_by_differences)
 }
 END_TEST
 
+/* Momenta of velocities and back: dv is the derivative of v along (dq, dp, dc), dc recorded as the rates. */
+START_TEST(velocities)
+{
+    static const double d = 1e-5;
+    second_run run;
+    tvi_system *tangent, *plain;
+    double q[2 * COLUMNS_MOST_N], p[2 * COLUMNS_MOST_N], v[2 * COLUMNS_MOST_N], again[2 * COLUMNS_MOST_N];
+    double v_near[2][COLUMNS_MOST_N], rates[COLUMNS_MOST_PARAMETERS], near[COLUMNS_MOST_PARAMETERS];
+    open_run(&run, forms[_i]);
+    const int n = run.n, of_p = run.is_lagrangian ? n : 0, of_dp = n - of_p;
+    for (int i = 0; i < run.parameters; i++) rates[i] = 0.3 + 0.1 * i;
+    for (int i = 0; i < n; i++) {
+        q[i] = run.q[i], q[n + i] = cos(1 + i);
+        p[of_p + i] = run.p[i] + 0.1, p[of_dp + i] = sin(2 + i);
+    }
+    ck_assert_int_eq(tvi_system_tangent(&tangent, run.system, rates), TVI_OK);
+    ck_assert_int_eq(tvi_velocity(tangent, 0.2, q, p, v), TVI_OK);
+    ck_assert_int_eq(tvi_momentum(tangent, 0.2, q, v, again), TVI_OK);
+    for (int i = 0; i < 2 * n; i++) ck_assert_double_eq_tol(again[i], p[i], 1e-12);
+    for (int side = 0; side < 2; side++) {
+        const double by = side ? d : -d;
+        double q_near[COLUMNS_MOST_N], p_near[COLUMNS_MOST_N];
+        for (int i = 0; i < n; i++) q_near[i] = q[i] + by * q[n + i], p_near[i] = p[of_p + i] + by * p[of_dp + i];
+        for (int i = 0; i < run.parameters; i++) near[i] = run.c[i] + by * rates[i];
+        ck_assert_int_eq(tvi_apply_legendre_transform(run.system, near, 0.2, q_near, p_near, v_near[side], false),
+                         TVI_OK);
+    }
+    ck_assert_int_eq(tvi_velocity(run.system, 0.2, q, p + of_p, again), TVI_OK);
+    for (int i = 0; i < n; i++) {
+        ck_assert_double_eq_tol(v[i], again[i], 1e-14);
+        ck_assert_double_eq_tol(v[n + i], (v_near[1][i] - v_near[0][i]) / (2 * d), 1e-8);
+    }
+    ck_assert_int_eq(tvi_system_tangent(&plain, tangent, NULL), TVI_OK); /* third derivatives */
+    tvi_system_free(plain);
+    tvi_system_free(tangent);
+    close_run(&run);
+}
+END_TEST
+
+static jet any_scale(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t, (void)ctx;
+    return jet_add(1, jet_sqr(q[0]));
+}
+
+static void any_drive(const jet q[], const jet v[], jet t, jet force[], void *ctx)
+{
+    (void)v, (void)t;
+    for (int i = 0; i < *(const int *)ctx; i++) force[i] = q[i];
+}
+
+static void any_constraint(const jet q[], jet t, jet value[], void *ctx)
+{
+    (void)t, (void)ctx;
+    value[0] = q[0];
+}
+
+/* Of a tangent system no other one is made, and the texts say so. */
+START_TEST(refusals_of_tangent_systems)
+{
+    second_run run;
+    open_run(&run, forms[_i]);
+    int N = 2 * run.n;
+    double energy, q[2 * COLUMNS_MOST_N] = {0.1}, p[2 * COLUMNS_MOST_N] = {0}, rates[COLUMNS_MOST_PARAMETERS] = {NAN};
+    tvi_system *out = run.tangent;
+    tvi_options options;
+    refused("a tangent system is not rescaled", tvi_system_rescaled(&out, run.tangent, any_scale, NULL),
+            TVI_EUNSUPPORTED);
+    refused("a tangent system is not rescaled", tvi_system_rescaled_reversible(&out, run.tangent, any_scale, NULL),
+            TVI_EUNSUPPORTED);
+    refused("a tangent system is not driven", tvi_system_driven(&out, run.tangent, any_drive, &N), TVI_EUNSUPPORTED);
+    refused("a tangent system is not constrained", tvi_system_constrained(&out, run.tangent, 1, any_constraint, NULL),
+            TVI_EUNSUPPORTED);
+    ck_assert_ptr_null(out);
+    refused("a tangent system has no energy", tvi_energy(run.tangent, 0, q, p, &energy), TVI_EUNSUPPORTED);
+    if (run.parameters > 0) refused("rates[0] = nan", tvi_system_tangent(&out, run.system, rates), TVI_EINVAL);
+    ck_assert_int_eq(tvi_options_named("midpoint", 8, &options), TVI_OK);
+    const tvi_status of_system = tvi_options_check(run.system, &options, NULL);
+    if (of_system != TVI_OK) ck_assert_int_eq(tvi_options_check(run.tangent, &options, NULL), of_system);
+    if (run.tangent->form == TVI_FIELD)
+        refused(run.system->is_driven ? "driven" : "the tangent system of a Hamiltonian",
+                tvi_integrator_create(&(tvi_integrator *){NULL}, run.tangent, &options), TVI_EUNSUPPORTED);
+    close_run(&run);
+}
+END_TEST
+
 START_TEST(refusals)
 {
     columns_run run;
     tvi_system *tangent;
-    refused("out is NULL", tvi_system_tangent(NULL, NULL), TVI_EINVAL);
-    refused("system is NULL", tvi_system_tangent(&tangent, NULL), TVI_EINVAL);
+    refused("out is NULL", tvi_system_tangent(NULL, NULL, NULL), TVI_EINVAL);
+    refused("system is NULL", tvi_system_tangent(&tangent, NULL, NULL), TVI_EINVAL);
     columns_open(&run, gradient_problem(_i ? GRADIENT_K : COLUMNS_REVERSIBLE), "galerkin", 16);
     tangent = run.system;
-    refused("a rescaled system has no tangent system", tvi_system_tangent(&tangent, run.system), TVI_EUNSUPPORTED);
+    refused("a rescaled system has no tangent system", tvi_system_tangent(&tangent, run.system, NULL),
+            TVI_EUNSUPPORTED);
     ck_assert_ptr_null(tangent);
     columns_close(&run);
 }
@@ -179,6 +266,8 @@ TCase *tcase_second(void)
     TCase *tcase = tcase_create("second");
     tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, symmetric_and_as_by_differences, 0, sizeof forms / sizeof *forms);
+    tcase_add_loop_test(tcase, velocities, 0, sizeof forms / sizeof *forms);
+    tcase_add_loop_test(tcase, refusals_of_tangent_systems, 0, sizeof forms / sizeof *forms);
     tcase_add_loop_test(tcase, refusals, 0, 2);
     return tcase;
 }

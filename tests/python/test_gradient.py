@@ -157,6 +157,18 @@ class Gradients(unittest.TestCase):
             q = tvi.solve(one, *start, h=0.1, k=[4, 9], dk=[1, 0]).q_end
             np.testing.assert_allclose(q, [np.cos(6), 2 * np.cos(9), -3 * np.sin(6) / 4, 0], rtol=0, atol=1e-13)
         self.assertIn("tangent, n = 4, k=[2. 3.], dk=[0. 0.]", repr(system))
+        bent = tvi.lagrangian(1, lambda q, v, c: (1 + c * q[0]**2) * v[0]**2 / 2 - q[0]**2 / 2, c=0.3).tangent()
+        run = tvi.solve(bent, (0, 1), [0.5, 0], [0.2, 0.4], h=0.1, dc=1)  # p is (dp, p)
+        q, dp, p = run.q_end, *run.p_end
+        mass, dmass = 1 + 0.3 * q[0]**2, q[0]**2 + 0.6 * q[0] * q[1]
+        np.testing.assert_allclose(run.v[-1], [p / mass, dp / mass - p * dmass / mass**2], rtol=1e-13)
+        driven = tvi.potential(1, lambda q: q[0]**2 / 2, mass=4).driven(lambda q, v: [-v[0]]).tangent()
+        run = tvi.solve(driven, (0, 1), [1, 0], v0=[1, 2], h=0.1)
+        np.testing.assert_allclose([*run.p[0], *run.v[0]], [4, 8, 1, 2], rtol=1e-14)
+        for made in (lambda: bent.rescaled(lambda q, p: 1 + q[0]**2), lambda: bent.driven(lambda q, v: -v),
+                     lambda: tvi.constrained(system, lambda q: [q[0]]), lambda: system.energy(0, [1] * 4, [0] * 4)):
+            with self.assertRaisesRegex(tvi.Error, "a tangent system"):
+                made()
         with self.assertRaisesRegex(tvi.Error, "a rescaled system has no tangent system"):
             SPRING.rescaled(lambda q, p: 1 + q[0]**2).tangent()
         with self.assertRaisesRegex(tvi.Error, "a constrained system has no tangent system"):

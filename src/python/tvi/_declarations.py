@@ -201,7 +201,7 @@ long tvi_record_counts(const tvi_record *record, int *times, int *events);
 tvi_status tvi_record_integral(tvi_record *record, tvi_event_fn *l, void *ctx);
 void tvi_record_integrals(const tvi_record *record, double value[]);
 tvi_status tvi_gradient(tvi_record *record, const tvi_loss *loss, double by_start[], double by_parameters[]);
-tvi_status tvi_system_tangent(tvi_system **out, const tvi_system *system);
+tvi_status tvi_system_tangent(tvi_system **out, const tvi_system *system, const double rates[]);
 """
 
 ENSEMBLES = """

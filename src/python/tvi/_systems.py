@@ -211,13 +211,7 @@ class System:
         >>> print(run.q_end)  # the place after a second, and its derivative: 1 - 3 / 2
         [-4.9 -0.5]
         """
-        parameters = dict(self.parameters)
-        for name, value in self.parameters.items():
-            if "d" + name in self.parameters:
-                raise ValueError(f"the tangent system has d{name} for {name}, and the system has a parameter d{name}")
-            parameters["d" + name] = np.zeros(np.shape(value)) if np.ndim(value) else 0.0
-        made = make("tvi_system", lambda out: lib.tvi_system_tangent(out, self._handle.pointer))
-        return System("tangent", 2 * self.n, (self, None), parameters, made)
+        return _tangent(self, {})
 
     # ---- Of a constrained system -------------------------------------------------------------------------------------
 
@@ -370,6 +364,20 @@ def _derived(kind: str, system: System, function: Callable | None, vectors: str,
     return System(kind, system.n, (system, function), dict(values), made)
 
 
+def _tangent(system: System, given: Mapping[str, Any]) -> System:
+    """The tangent system, with these recorded values of dk and so on; those of others are 0."""
+    rates = {}
+    for name, value in system.parameters.items():
+        if "d" + name in system.parameters:
+            raise ValueError(f"the tangent system has d{name} for {name}, and the system has a parameter d{name}")
+        zero = np.zeros(np.shape(value)) if np.ndim(value) else 0.0
+        rates["d" + name] = given.get("d" + name, zero)
+    values = np.concatenate([np.zeros(0), *(np.ravel(rate) for rate in rates.values())]).astype(float)
+    at = pointer(values) if len(values) else ffi.NULL
+    made = make("tvi_system", lambda out: lib.tvi_system_tangent(out, system._handle.pointer, at))
+    return System("tangent", 2 * system.n, (system, None), {**system.parameters, **rates}, made)
+
+
 def _is_zero(x: Any) -> bool:
     return np.isscalar(x) and x == 0
 
@@ -384,7 +392,7 @@ def _again(kind: str, arguments: tuple, parameters: dict[str, Any], others: dict
     if kind == "constrained":
         return constrained(inherited, function, **new)
     if kind == "tangent":
-        return inherited.tangent()
+        return _tangent(inherited, {**parameters, **others})
     return inherited.driven(function, **new) if kind == "driven" else \
         inherited.rescaled(function, kind == "rescaled_reversible")
 
