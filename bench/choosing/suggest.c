@@ -91,7 +91,12 @@ static void write_cell(const problem *of, double wanted, bool *is_refused, count
     if (status != TVI_OK) {
         counts->refused++;
         *is_refused = true;
-        if (out) fprintf(out, " %s %.1e |", status == TVI_EROUNDOFF ? "refused:" : tvi_status_string(status), measured);
+        if (out)
+            fprintf(out, " %s %.1e |",
+                    status == TVI_EROUNDOFF  ? "refused:"
+                    : status == TVI_ESTOPPED ? "out of steps:"
+                                             : tvi_status_string(status),
+                    measured);
         return;
     }
     const bool missed = !(error <= wanted) || *is_refused, under = error > 2 * measured && measured > 10 * ROUNDOFF;
@@ -246,7 +251,7 @@ static void write_own(const tvi_options *options, count *counts, FILE *out)
     for (int i = 0; i < 9; i++) {
         char name[64];
         problem of = hyperbola(k, options, (double[]){1.5, 5, 50}[i / 3], (double[]){30, 300, 3000}[i % 3]);
-        (void)snprintf(name, sizeof name, "hyperbola, e = %g, |t| < %g", (double[]){1.5, 5, 50}[i / 3],
+        (void)snprintf(name, sizeof name, "hyperbola, e = %g, to t = %g", (double[]){1.5, 5, 50}[i / 3],
                        of.duration / 2);
         of.name = name;
         write_row(&of, counts, out);

@@ -62,6 +62,7 @@ typedef struct {
     tvi_integrator *it;
     long steps, most_steps; /* of all runs */
     bool is_stopped;        /* by the budget or by the plan's at_step */
+    bool is_told_to_stop;   /* by the plan's at_step */
     /* Of the run that is made. */
     run_result *run;
     double last_t, last_dt, *last; /* the time and the state [2n] before the step, and the step before it */
@@ -72,7 +73,7 @@ typedef struct {
 /* ---- Runs -------------------------------------------------------------------------------------------------------- */
 
 /* Calls the plan's at_step. */
-static bool is_told_to_stop(const search *s, double t, const double q[], const double p[])
+static bool at_step_stops(const search *s, double t, const double q[], const double p[])
 {
     const int steps = s->steps < INT_MAX ? (int)s->steps : INT_MAX;
     return s->plan->at_step && s->plan->at_step(0, steps, t, q, p, s->plan->ctx) != 0;
@@ -104,8 +105,8 @@ static int after_step(long step, double t, const double q[], const double p[], v
     run->largest_kick = fmax(run->largest_kick, kick);
     if (dt > 0) run->largest_rate = fmax(run->largest_rate, moved / dt);
     s->steps++;
-    if (s->steps >= s->most_steps || (s->steps % STEPS_BETWEEN_CALLS == 0 && is_told_to_stop(s, t, q, p)))
-        s->is_stopped = true;
+    if (s->steps % STEPS_BETWEEN_CALLS == 0) s->is_told_to_stop |= at_step_stops(s, t, q, p);
+    if (s->steps >= s->most_steps || s->is_told_to_stop) s->is_stopped = true;
     return s->is_stopped || s->has_many_passes;
 }
 
@@ -140,7 +141,7 @@ static void make_run(search *s, tvi_integrator *it, double h, double tolerance, 
     tvi_integrator_reset(it);
     run->status = tvi_run_observed(it, &plan, (tvi_observers){.at_step = after_step, .ctx = s}, run->end + 2 * n,
                                    run->end, run->end + n);
-    if (!s->is_stopped) s->is_stopped = is_told_to_stop(s, run->end[2 * n], run->end, run->end + n);
+    if (!s->is_stopped) s->is_stopped = s->is_told_to_stop = at_step_stops(s, run->end[2 * n], run->end, run->end + n);
     if (run->status == TVI_ESTOPPED && !s->is_stopped)
         run->status =
             s->has_many_passes ? jet_refuse(TVI_ENOCONV, "its steps take more than %d passes", MOST_PASSES) : TVI_OK;
@@ -264,6 +265,21 @@ static double next_smaller_step(const search *s, double h, double measured, run_
     return run[0].h;
 }
 
+/* Refuses a search that has spent its steps, or was told to stop. h is the step of its last runs, and `least` the least
+ * error of a run; infinite: none was made. */
+static tvi_status refuse_stopped(const search *s, double h, double least)
+{
+    if (s->is_told_to_stop)
+        return jet_refuse(TVI_ESTOPPED, "the search for a step was stopped by at_step, after %ld steps", s->steps);
+    return jet_refuse(
+        TVI_ESTOPPED, "the search for a step was stopped after %ld steps, at h = %g: %s", s->steps, h,
+        isinf(least) ? "the runs were refused, as in a near approach or a collision, or with p that is not M v: take "
+                       "rescaled steps"
+        : least > LARGEST_DISTANCE
+            ? "no h gives that error, as neighbouring orbits part (chaos): give h, or a shorter run"
+            : "that error takes more steps than these: give h, or a larger error");
+}
+
 static tvi_status search_step(search *s, const tvi_system *system, run_result run[], run_result witness[], double *h,
                               double *error)
 {
@@ -317,9 +333,7 @@ static tvi_status search_step(search *s, const tvi_system *system, run_result ru
         }
     }
     if (is_found && status != TVI_ENOMEM) return TVI_OK;
-    if (s->is_stopped && status == TVI_OK)
-        return jet_refuse(TVI_ESTOPPED, "the search for a step was stopped, with h = %g after %ld steps", next,
-                          s->steps);
+    if (s->is_stopped && status == TVI_OK) return refuse_stopped(s, next, least);
     if (status != TVI_OK) return status;
     return jet_refuse(TVI_EROUNDOFF, "error = %g is below roundoff: the smallest error is about %.1e", s->wanted,
                       least);

@@ -332,7 +332,8 @@ def _message(result: Result, events: list) -> str:
         text = f"the end was reached, t = {result.t_end}."
     tail = result.stats.largest_tail
     if tail > 0.01 and not result.error:  # An error that was measured says more.
-        text += f" The step {'is' if tail > 0.1 else 'may be'} too large: its tail is {tail:.1g}, and 0.01 is right."
+        doubt = "is" if tail > 0.1 else "may be"
+        text += f" The step {doubt} too large: its tail is {tail:.1g}; 0.01 or less is right."
     return text
 
 
