@@ -74,8 +74,10 @@ static void compute_quarter_multiple_power(int exponent_in_quarters, int width, 
         JET_IN_VECTORS
         for (int w = 0; w < width; w++) z[w] *= a[w];
     }
-    JET_IN_VECTORS
-    for (int w = 0; w < (exponent_in_quarters < 0 ? width : 0); w++) z[w] = 1 / z[w];
+    if (exponent_in_quarters < 0) {
+        JET_IN_VECTORS
+        for (int w = 0; w < width; w++) z[w] = 1 / z[w];
+    }
 }
 
 static bool are_all_positive(int width, const double *a)
