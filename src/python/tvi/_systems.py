@@ -111,8 +111,8 @@ class System:
         are given, one for all or one for each member, and the recorded ones of the others."""
         for name in given:
             if name not in self.parameters:
-                known = ", ".join(self.parameters) or "none"
-                raise TypeError(f"the system has no parameter {name}: its parameters are {known}")
+                known = f": its parameters are {', '.join(self.parameters)}" if self.parameters else ", and no other"
+                raise TypeError(f"there is no argument {name}, and the system has no parameter {name}{known}")
         rows = [spread(name, given.get(name, value), members, *np.shape(value)).reshape(members, -1).T
                 for name, value in self.parameters.items()]
         values = np.concatenate([np.empty((0, members)), *rows])[:self._count].copy()
