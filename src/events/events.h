@@ -27,13 +27,13 @@ typedef struct {
 /* A state that a partial step has computed, and the value of g there. */
 typedef struct {
     double theta, g, *x;
+    bool is_by_curve; /* computed from the state of a partial step and the change of the curve from there */
 } tvi_accurate_state;
 
 /* The line on which finish.c looks for a root: through two states, of which `last` was computed after `before`. Their
  * theta are NAN if there are none in this step. */
 typedef struct {
     tvi_accurate_state before, last;
-    bool is_before_on_curve; /* `before` is not the state of a partial step, but `last` plus a change of the curve */
 } tvi_event_line;
 
 /* An event function that a search watches, and its values in the current step. */

@@ -30,8 +30,18 @@ static const double MOST_ERROR = DBL_EPSILON / 16;
  * estimate, and then in wider ones. Each is 16 times as wide as the one before, so that 12 reach everywhere. */
 static const double LEAST_DISTANCE = 4 * DBL_EPSILON, GROWTH = 16;
 
-/* Computes the state at theta by a partial step, and *g there. It becomes search->line.last, which becomes
- * search->line.before. ctx is the search. */
+/* Makes search->line.last the state at theta whose x is in the memory of search->line.before, and which becomes that.
+ * Computes *g there. */
+static tvi_status add_state(tvi_event_search *search, double theta, bool is_by_curve, double *g)
+{
+    double *x = search->line.before.x;
+    const tvi_status status = tvi_watched_evaluate(search->sought->watched, x, g);
+    search->line.before = search->line.last;
+    search->line.last = (tvi_accurate_state){.theta = theta, .g = *g, .x = x, .is_by_curve = is_by_curve};
+    return status;
+}
+
+/* Computes the state at theta by a partial step, and *g there. It becomes search->line.last. ctx is the search. */
 static tvi_status add_state_by_partial_step(void *ctx, double theta, double *g)
 {
     tvi_event_search *search = ctx;
@@ -39,26 +49,21 @@ static tvi_status add_state_by_partial_step(void *ctx, double theta, double *g)
     tvi_status status = tvi_partial_step_compute_state(&search->partial_step, theta * search->integrator->last_step.h);
     if (status != TVI_OK) return status;
     memcpy(x, search->partial_step.state, (size_t)search->state_size * sizeof *x);
-    status = tvi_watched_evaluate(search->sought->watched, x, g);
-    search->line.before = search->line.last;
-    search->line.last = (tvi_accurate_state){.theta = theta, .g = *g, .x = x};
-    search->line.is_before_on_curve = false;
-    return status;
+    return add_state(search, theta, false, g);
 }
 
-/* Sets search->line.before to search->line.last plus the change of the curve from there over FIRST_DISTANCE. */
-static tvi_status set_state_before_by_curve(tvi_event_search *search)
+/* Computes the state at theta from that of search->line.last and the change of the curve between both, which costs
+ * less than a partial step, and *g there. It becomes search->line.last. */
+static tvi_status add_state_by_curve(tvi_event_search *search, double theta, double *g)
 {
-    tvi_accurate_state *before = &search->line.before, *last = &search->line.last;
+    const tvi_accurate_state *last = &search->line.last;
     const int n = search->integrator->system->n;
-    double *x = search->scratch_state;
-    before->theta = last->theta + (last->theta < 0.5 ? FIRST_DISTANCE : -FIRST_DISTANCE);
-    search->line.is_before_on_curve = true;
-    tvi_status status = tvi_evaluate_dense_output(search->integrator, last->theta, &x[2 * n], x, x + n);
-    for (int i = 0; i < search->state_size; i++) before->x[i] = last->x[i] - x[i];
-    if (status == TVI_OK) status = tvi_evaluate_dense_output(search->integrator, before->theta, &x[2 * n], x, x + n);
-    for (int i = 0; i < search->state_size; i++) before->x[i] += x[i];
-    return status == TVI_OK ? tvi_watched_evaluate(search->sought->watched, before->x, &before->g) : status;
+    double *x = search->line.before.x, *on_curve = search->scratch_state, *time = &on_curve[2 * n];
+    tvi_status status = tvi_evaluate_dense_output(search->integrator, last->theta, time, on_curve, on_curve + n);
+    for (int i = 0; i < search->state_size; i++) x[i] = last->x[i] - on_curve[i];
+    if (status == TVI_OK) status = tvi_evaluate_dense_output(search->integrator, theta, time, on_curve, on_curve + n);
+    for (int i = 0; i < search->state_size; i++) x[i] += on_curve[i];
+    return status == TVI_OK ? add_state(search, theta, true, g) : status;
 }
 
 /* Computes the state on the line at the given distance (in theta) from search->line.last. */
@@ -136,8 +141,8 @@ static bool is_near(const tvi_event_search *search, double theta, double state_t
 }
 
 /* Finds two states that define the first line. These are those of the root before, if they are near the root of the
- * samples' polynomial; or else one at this root, and one where the slope of the polynomial leads from there; or
- * else, if this is not near, one at the root of the curve, and one beside it. */
+ * samples' polynomial; or else one at this root, and one where the slope of the polynomial leads from there, by the
+ * curve if that is accurate enough; or else, if this is not near, one at the root of the curve, and one beside it. */
 static tvi_status begin_line(tvi_event_search *search)
 {
     const tvi_event_root *root = search->sought;
@@ -146,7 +151,7 @@ static tvi_status begin_line(tvi_event_search *search)
     double g = 0;
     tvi_sign_bracket bracket = root->bracket;
     tvi_status status = TVI_OK;
-    if (!search->line.is_before_on_curve && fabs(last->theta - before->theta) >= FIRST_DISTANCE &&
+    if (!before->is_by_curve && !last->is_by_curve && fabs(last->theta - before->theta) >= FIRST_DISTANCE &&
         is_near(search, guess, before->theta) && is_near(search, guess, last->theta)) {
         status = tvi_watched_evaluate(root->watched, before->x, &before->g);
         return status == TVI_OK ? tvi_watched_evaluate(root->watched, last->x, &last->g) : status;
@@ -155,10 +160,13 @@ static tvi_status begin_line(tvi_event_search *search)
         status = add_state_by_partial_step(search, guess, &g);
         const double correction = -g / root->slope_guess;
         if (status == TVI_OK && is_near(search, guess + correction, guess)) {
-            const double tail = search->integrator->stats.tail, apart = fmax(fabs(correction), FIRST_DISTANCE);
-            const double slope_error = fmax(tail, fabs(correction) + FIRST_DISTANCE);
-            if (tail > 0 && slope_error * fabs(correction) <= MOST_ERROR) return set_state_before_by_curve(search);
-            return add_state_by_partial_step(search, guess + copysign(apart, correction), &g);
+            /* A second state beyond the root, at FIRST_DISTANCE, makes the line wrong by the product of both distances,
+             * which can be more than roundoff: it is then at the corrected root. */
+            const double size = fabs(correction), tail = search->integrator->stats.tail;
+            const double distance = size * FIRST_DISTANCE > MOST_ERROR ? size : FIRST_DISTANCE;
+            const double second = guess + copysign(distance, correction);
+            return tail > 0 && tail * size <= MOST_ERROR ? add_state_by_curve(search, second, &g)
+                                                         : add_state_by_partial_step(search, second, &g);
         }
     }
     if (status == TVI_OK)
