@@ -205,7 +205,7 @@ do-sanitizers: $(addprefix $(BUILD)/check/,library ad generating ensemble bodies
 	$(BUILD)/check/fuzz
 	$(BUILD)/check/fuzz_states 1 250000
 	$(IN_ONE_GO) 'refused,elements,places,sums' $(BUILD)/check/bodies
-	$(IN_ONE_GO) 'statement,states,starts,wrong bodies,steps/kept,runs' $(BUILD)/check/constraints
+	$(IN_ONE_GO) 'statement,states,starts,wrong bodies,steps/tangents,runs' $(BUILD)/check/constraints
 	$(IN_ONE_GO) 'gradient,integrals' $(BUILD)/check/gradient
 	$(BUILD)/check/fuzz_bodies 1 1000000
 	$(PYTHON_SANITIZED)

@@ -375,6 +375,8 @@ Suite *suite_steps(void)
     tcase_add_loop_test(tcase, steps_are_symplectic, 0, problem_count);
     tcase_add_loop_test(tcase, rattle, 0, problem_count);
     tcase_add_test(tcase, momenta_are_kept);
+    suite_add_tcase(suite, tcase);
+    tcase = tcase_create("tangents");
     tcase_add_loop_test(tcase, tangent_maps, 0, problem_count);
     tcase_add_loop_test(tcase, tangent_maps_of_rattle, 0, problem_count);
     tcase_add_loop_test(tcase, columns_of_lengths, 0, 4 * RODS);
