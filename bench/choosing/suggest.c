@@ -91,12 +91,10 @@ static void write_cell(const problem *of, double wanted, bool *is_refused, count
     if (status != TVI_OK) {
         counts->refused++;
         *is_refused = true;
-        if (out)
-            fprintf(out, " %s %.1e |",
-                    status == TVI_EROUNDOFF  ? "refused:"
-                    : status == TVI_ESTOPPED ? "out of steps:"
-                                             : tvi_status_string(status),
-                    measured);
+        const char *why = status == TVI_EROUNDOFF ? "refused" : status == TVI_ESTOPPED ? "out of steps" : NULL;
+        if (out) fprintf(out, " %s", why ? why : tvi_status_string(status));
+        if (out && measured > 0) fprintf(out, ": %.1e", measured); /* 0: no error was measured */
+        if (out) fprintf(out, " |");
         return;
     }
     const bool missed = !(error <= wanted) || *is_refused, under = error > 2 * measured && measured > 10 * ROUNDOFF;
